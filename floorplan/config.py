@@ -1,0 +1,103 @@
+"""One typed section per stage. Every field has a default, a unit in its name and a reason in its comment.
+
+A stage is given its own section only. Loading from TOML and `--set` is in `load`; an unknown key is an error.
+"""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class IngestConfig:
+    """Stage `1-ingest`."""
+
+    keyframe_distance_m: float = 0.10  # a frame that moved less ...
+    keyframe_angle_deg: float = 4.0  # ... and turned less than this since the last keyframe shows nothing new
+    keyframe_gap_s: float = 1.0  # one keyframe at least this often
+    returns_to_start: bool | None = None  # None: as the recording says
+
+
+@dataclass(frozen=True)
+class CompassConfig:
+    """Manhattan yaw, in `2-segments`."""
+
+    method: str = "moments"  # or "entropy", the published search
+
+
+@dataclass(frozen=True)
+class SegmentsConfig:
+    """Labelling, components and plane fits, in `2-segments`."""
+
+    method: str = "normals"  # or "vote", the published k x k vote
+    pixel_stride: int = 2
+
+
+@dataclass(frozen=True)
+class TrackingConfig:
+    """Segments of consecutive frames to initial planes, in `3-least-squares`."""
+
+    gate_m: float = 0.05  # 3-8 cm measured equally good; 15 cm loses precision
+
+
+@dataclass(frozen=True)
+class LeastSquaresConfig:
+    """Stage `3-least-squares`."""
+
+
+@dataclass(frozen=True)
+class MergeConfig:
+    """Stage `4-merge`. `radius_m`, `eps` and `mu_m` are the paper's; `evidence` takes its gates from the covariance."""
+
+    method: str = "paper"  # "paper" or "evidence"
+    engine: str = "cvxpy"  # of `paper`: "reduced" or "cvxpy"
+    radius_m: float = 1.0
+    eps: float = 0.02
+    mu_m: float = 0.30
+
+
+@dataclass(frozen=True)
+class ResolveConfig:
+    """Stage `5-resolve`."""
+
+
+@dataclass(frozen=True)
+class PlanConfig:
+    """Stage `6-plan`."""
+
+    max_bridged_gap_m: float = 0.30
+
+
+@dataclass(frozen=True)
+class DrawingConfig:
+    """Writers: units, scale, sheet."""
+
+    units: str = "m"  # m, mm, ft
+    scale: str = ""  # "1:50"; empty: chosen to fit the sheet
+    sheet: str = "A3"
+    dxf_version: str = "R2010"
+
+
+@dataclass(frozen=True)
+class ProjectConfig:
+    """What the title block says."""
+
+    name: str = ""
+    address: str = ""
+    floor: str = ""
+    surveyor: str = ""
+    client: str = ""
+
+
+@dataclass(frozen=True)
+class Config:
+    """The effective configuration: one section per stage."""
+
+    ingest: IngestConfig = field(default_factory=IngestConfig)
+    compass: CompassConfig = field(default_factory=CompassConfig)
+    segments: SegmentsConfig = field(default_factory=SegmentsConfig)
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
+    least_squares: LeastSquaresConfig = field(default_factory=LeastSquaresConfig)
+    merge: MergeConfig = field(default_factory=MergeConfig)
+    resolve: ResolveConfig = field(default_factory=ResolveConfig)
+    plan: PlanConfig = field(default_factory=PlanConfig)
+    drawing: DrawingConfig = field(default_factory=DrawingConfig)
+    project: ProjectConfig = field(default_factory=ProjectConfig)

@@ -1,0 +1,169 @@
+"""What a reader gives and ingest completes: the sensor, the recording, one frame, problems met on the way."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from floorplan.model.checks import Array, freeze
+
+NANOSECONDS_PER_SECOND = 1_000_000_000
+
+
+class SensorKind(StrEnum):
+    """What made the grid: it decides which axes can be seen and how neighbours lie on it."""
+
+    CAMERA = "camera"  # pinhole depth image, H x W
+    LASER = "laser"  # one level sweep, 1 x N: no floor, no ceiling, no heights
+    LIDAR = "lidar"  # spinning, rings x columns
+
+
+class GravitySource(StrEnum):
+    """Where the down direction of each frame comes from."""
+
+    IMU = "imu"
+    WORLD = "gravity-aligned world"
+    ESTIMATED = "estimated from floor and ceiling"
+    LEVEL = "assumed level"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Intrinsics:
+    """Pinhole camera of the DEPTH image: pixels; pixel centres at whole numbers."""
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Standard deviation of one range reading: `constant_m + linear * r + quadratic_per_m * r^2` (r in metres)."""
+
+    constant_m: float
+    linear: float = 0.0
+    quadratic_per_m: float = 0.0
+
+    def sigma_m(self, range_m: Array) -> Array:
+        """Standard deviation in metres, same shape as `range_m`."""
+        return np.asarray(self.constant_m + self.linear * range_m + self.quadratic_per_m * range_m**2)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """The instrument: grid size, noise, the ranges it can be trusted in, the angle between neighbouring rays."""
+
+    kind: SensorKind
+    height: int
+    width: int
+    noise: NoiseModel
+    min_range_m: float
+    max_range_m: float
+    ray_step_rad: float
+    intrinsics: Intrinsics | None = None
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One kind of bad data, coded and counted; never silently dropped.
+
+    `code` is a short kebab-case word (`png-unreadable`, `stamp-doubled`); `where` names the first place
+    (file, line, frame, stamp); `advice` says what to do. `fatal` means `build` stops on it.
+    """
+
+    code: str
+    message: str
+    where: str = ""
+    count: int = 1
+    advice: str = ""
+    fatal: bool = False
+
+
+@dataclass(frozen=True)
+class Recording:
+    """All of a scan except its depth, one row per frame in time order, N frames.
+
+    `stamp_ns (N,)` the source's own stamps; `position_m (N, 3)` and `odom_from_sensor (N, 3, 3)` the odometry
+    pose of the sensor in the odometry's world; `down_sensor (N, 3)` the unit direction of gravity in the
+    sensor's axes, NaN while `gravity_source` is UNKNOWN. Sensor axes: cameras x right, y down, z forward
+    (OpenCV); lasers and LiDARs x forward, y left, z up.
+    """
+
+    format: str
+    sensor: Sensor
+    stamp_ns: Array
+    position_m: Array
+    odom_from_sensor: Array
+    down_sensor: Array
+    gravity_source: GravitySource
+    problems: tuple[Problem, ...] = ()
+    returns_to_start: bool | None = None
+
+    def __post_init__(self) -> None:
+        freeze(
+            self,
+            {
+                "stamp_ns": (np.int64, ("N",)),
+                "position_m": (np.float64, ("N", 3)),
+                "odom_from_sensor": (np.float64, ("N", 3, 3)),
+                "down_sensor": (np.float64, ("N", 3)),
+            },
+        )
+
+    def __len__(self) -> int:
+        return len(self.stamp_ns)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One depth image or sweep: `points (H, W, 3) float32` metres in the sensor's own axes, NaN where nothing came back.
+
+    `index` is the row of the `Recording`. `confidence (H, W) uint8`, 0 (worst) to 2, or None where the
+    sensor gives none.
+    """
+
+    index: int
+    stamp_ns: int
+    points: Array
+    confidence: Array | None = None
+
+    def __post_init__(self) -> None:
+        freeze(self, {"points": (np.float32, ("H", "W", 3)), "confidence": (np.uint8, ("H", "W"))})
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Poses of the sensor: `stamp_ns (N,)`, `position_m (N, 3)`, `world_from_sensor (N, 3, 3)`; z up."""
+
+    stamp_ns: Array
+    position_m: Array
+    world_from_sensor: Array
+
+    def __post_init__(self) -> None:
+        freeze(
+            self,
+            {
+                "stamp_ns": (np.int64, ("N",)),
+                "position_m": (np.float64, ("N", 3)),
+                "world_from_sensor": (np.float64, ("N", 3, 3)),
+            },
+        )
+
+
+@dataclass(frozen=True)
+class IngestedScan:
+    """Stage `1-ingest`: the recording with its gravity known, and the frames that will be looked at.
+
+    `keyframe (F,)` are rows of `recording`, increasing; chosen by change of view. Everything called
+    "frame" in later stages (`Segments.frame`, `LayoutGraph.frame`) is an index into `keyframe`.
+    """
+
+    recording: Recording
+    keyframe: Array
+
+    def __post_init__(self) -> None:
+        freeze(self, {"keyframe": (np.int64, ("F",))})
