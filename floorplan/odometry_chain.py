@@ -1,0 +1,128 @@
+"""Builds chains from odometry rows: plain ones, and the joint x-y chain with scale and sideways rates as states."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.chain import Chain
+from floorplan.model.checks import Array
+
+PX, PY, SCALE, SIDEWAYS = 0, 1, 2, 3  # states of a frame of the joint chain
+STEP_FLOOR_M = 0.01  # a sensor that stands still still trembles: keeps every odometry row's variance above zero
+
+
+@dataclass(frozen=True)
+class DriftModel:
+    """How far odometry can be trusted; all standard deviations.
+
+    `rate_m_per_sqrt_m` white error of a step of 1 m (grows with the root of the path); `scale_sigma` and `sideways_sigma`
+    sizes of the slowly varying rates along and across the step (parts of the step), correlated over
+    `correlation_m` of path; `global_scale_sigma` prior of the one scale error of the whole scan.
+    """
+
+    rate_m_per_sqrt_m: float
+    scale_sigma: float
+    sideways_sigma: float
+    correlation_m: float = 20.0
+    global_scale_sigma: float = 0.05
+
+
+def step_variance_m2(translation_m: Array, drift: DriftModel) -> Array:
+    """Variance (N-1,) of the white part of each odometry row, equal along each axis; `translation_m (N-1, 2 or 3)`."""
+    length = np.maximum(np.linalg.norm(translation_m, axis=1), STEP_FLOOR_M)
+    return np.asarray(drift.rate_m_per_sqrt_m**2 * length)
+
+
+def plain_chain(translation_m: Array, weight: Array) -> Chain:
+    """One axis, positions only: rows `p_{i+1} - p_i = translation_m[i]` of the given weights (N-1,), gauge p_0 = 0."""
+    count = len(translation_m) + 1
+    builder = _Builder(count, 1, 0)
+    builder.add_rows(-np.ones((count - 1, 1, 1)), np.ones((count - 1, 1, 1)), None, translation_m[:, None], weight[:, None])
+    return builder.chain(pinned=1)
+
+
+def joint_chain(translation_m: Array, drift: DriftModel) -> Chain:
+    """x and y together, states (px, py, s, w) and one dense column g, the global scale.
+
+    `p_{i+1} - p_i - (s_i + g) t_i - w_i J t_i = t_i`, J a quarter turn; `s` and `w` are AR(1) in the path length.
+    """
+    t = translation_m[:, :2]
+    count = len(t) + 1
+    builder = _Builder(count, 4, 1)
+    builder.add_prior(0, (0.0, 0.0, drift.scale_sigma**-2, drift.sideways_sigma**-2))
+    _add_steps(builder, t, step_variance_m2(t, drift))
+    _add_rates(builder, t, drift)
+    builder.dense_information += drift.global_scale_sigma**-2
+    builder.log_weight -= 2 * np.log(drift.global_scale_sigma)
+    return builder.chain(pinned=2)
+
+
+def _add_steps(builder: "_Builder", t: Array, variance: Array) -> None:
+    here, there = np.zeros((len(t), 2, 4)), np.zeros((len(t), 2, 4))
+    here[:, 0, PX] = here[:, 1, PY] = -1.0
+    there[:, 0, PX] = there[:, 1, PY] = 1.0
+    here[:, :, SCALE] = -t
+    here[:, 0, SIDEWAYS], here[:, 1, SIDEWAYS] = t[:, 1], -t[:, 0]
+    weight = np.repeat(1.0 / variance, 2).reshape(-1, 2)
+    builder.add_rows(here, there, -t[:, :, None], t, weight)
+
+
+def _add_rates(builder: "_Builder", t: Array, drift: DriftModel) -> None:
+    length = np.maximum(np.linalg.norm(t, axis=1), STEP_FLOOR_M)
+    memory = np.exp(-length / drift.correlation_m)
+    here, there = np.zeros((len(t), 2, 4)), np.zeros((len(t), 2, 4))
+    here[:, 0, SCALE] = here[:, 1, SIDEWAYS] = -memory
+    there[:, 0, SCALE] = there[:, 1, SIDEWAYS] = 1.0
+    sizes = np.array([drift.scale_sigma, drift.sideways_sigma])
+    weight = 1.0 / ((1 - memory**2)[:, None] * sizes**2)
+    builder.add_rows(here, there, None, np.zeros((len(t), 2)), weight)
+
+
+class _Builder:
+    """Sums weighted rows into the blocks of a chain."""
+
+    def __init__(self, count: int, states: int, width: int) -> None:
+        self.diagonal = np.zeros((count, states, states))
+        self.coupling = np.zeros((max(count - 1, 0), states, states))
+        self.rhs = np.zeros((count, states))
+        self.dense = np.zeros((count, states, width))
+        self.dense_information = np.zeros((width, width))
+        self.dense_rhs = np.zeros(width)
+        self.square_sum = 0.0
+        self.log_weight = 0.0
+
+    def add_prior(self, frame: int, weight: tuple[float, ...]) -> None:
+        """Independent zero-mean priors on one frame's states; weight 0 means none."""
+        self.diagonal[frame] += np.diag(weight)
+        self.log_weight += float(np.log([w for w in weight if w > 0]).sum())
+
+    def add_rows(self, here: Array, there: Array, wide: Array | None, value: Array, weight: Array) -> None:
+        """Rows `here_i x_i + there_i x_{i+1} + wide_i g = value_i`: (N-1, rows, n), (N-1, rows, G), (N-1, rows)."""
+        heavy = weight[:, :, None]
+        turned_here, turned_there = np.swapaxes(here, 1, 2), np.swapaxes(there, 1, 2)
+        self.diagonal[:-1] += turned_here @ (heavy * here)
+        self.diagonal[1:] += turned_there @ (heavy * there)
+        self.coupling += turned_there @ (heavy * here)
+        pulled = (weight * value)[:, :, None]
+        self.rhs[:-1] += (turned_here @ pulled)[:, :, 0]
+        self.rhs[1:] += (turned_there @ pulled)[:, :, 0]
+        if wide is not None:
+            self.dense[:-1] += turned_here @ (heavy * wide)
+            self.dense[1:] += turned_there @ (heavy * wide)
+            self.dense_information += np.einsum("irg,irk->gk", heavy * wide, wide)
+            self.dense_rhs += np.einsum("irg,ir->g", wide, weight * value)
+        self.square_sum += float((weight * value**2).sum())
+        self.log_weight += float(np.log(weight).sum())
+
+    def chain(self, pinned: int) -> Chain:
+        """The sums, with the gauge: the first `pinned` states of frame 0 leave the problem."""
+        gone = slice(0, pinned)
+        self.diagonal[0, gone, :] = self.diagonal[0, :, gone] = 0.0
+        self.diagonal[0, gone, gone] = np.eye(pinned)
+        self.coupling[:1, :, gone] = 0.0
+        self.rhs[0, gone] = 0.0
+        self.dense[0, gone] = 0.0
+        return Chain(
+            self.diagonal, self.coupling, self.rhs, self.dense, self.dense_information, self.dense_rhs, self.square_sum,
+            self.log_weight, pinned,
+        )

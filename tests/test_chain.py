@@ -1,0 +1,116 @@
+"""The elimination against dense least squares, and against itself in pieces."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from floorplan.chain import Chain, Rows, back_substitute, eliminate, log_marginal_likelihood, solve_planes, state_covariance
+from floorplan.model.checks import Array
+from floorplan.odometry_chain import DriftModel, joint_chain, plain_chain, step_variance_m2
+
+DRIFT = DriftModel(rate_m_per_sqrt_m=0.02, scale_sigma=0.03, sideways_sigma=0.02)
+FRAMES, PLANES = 60, 9
+
+
+@dataclass(frozen=True)
+class Dense:
+    """All rows of a scan as one whitened system `A x = b`: states in frame order, then planes, then the global scale."""
+
+    A: Array
+    b: Array
+
+
+def random_rows(rng: np.random.Generator, components: int) -> Rows:
+    start = rng.integers(0, FRAMES - 12, PLANES)
+    start[0] = 0
+    axis = rng.integers(0, components, PLANES)
+    frame = np.concatenate([np.arange(s, s + 12) for s in start])
+    column = np.repeat(np.arange(PLANES), 12)
+    weight = rng.uniform(0.5, 2.0, len(frame)) * 1e4
+    return Rows(frame, axis[column], column, rng.normal(0, 2, len(frame)), weight)
+
+
+def dense_joint(t: Array, drift: DriftModel, rows: Rows) -> Dense:
+    states = 4 * FRAMES
+    A, b = [], []
+
+    def add(entries: dict[int, float], value: float, weight: float) -> None:
+        row = np.zeros(states + PLANES + 1)
+        for place, entry in entries.items():
+            row[place] += entry
+        A.append(row * np.sqrt(weight))
+        b.append(value * np.sqrt(weight))
+
+    g = states + PLANES
+    variance = step_variance_m2(t, drift)
+    for i in range(FRAMES - 1):
+        k, (x, y) = 4 * i, t[i]
+        add({k: -1, k + 4: 1, k + 2: -x, k + 3: y, g: -x}, x, 1 / variance[i])
+        add({k + 1: -1, k + 5: 1, k + 2: -y, k + 3: -x, g: -y}, y, 1 / variance[i])
+        memory = np.exp(-max(np.hypot(x, y), 0.01) / drift.correlation_m)
+        add({k + 2: -memory, k + 6: 1}, 0, 1 / (drift.scale_sigma**2 * (1 - memory**2)))
+        add({k + 3: -memory, k + 7: 1}, 0, 1 / (drift.sideways_sigma**2 * (1 - memory**2)))
+    add({2: 1}, 0, drift.scale_sigma**-2)
+    add({3: 1}, 0, drift.sideways_sigma**-2)
+    add({g: 1}, 0, drift.global_scale_sigma**-2)
+    for f, c, j, d, w in zip(rows.frame, rows.component, rows.column, rows.distance_m, rows.weight, strict=True):
+        add({4 * f + c: -1, states + j: 1}, d, w)
+    return Dense(np.delete(np.array(A), [0, 1], axis=1), np.array(b))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_joint_chain_gives_the_dense_least_squares_solution_and_covariance(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    t = rng.normal(0, 0.2, (FRAMES - 1, 2))
+    rows = random_rows(rng, 2)
+    reduced = eliminate(joint_chain(t, DRIFT), rows, PLANES)
+    columns, covariance = solve_planes(reduced)
+    dense = dense_joint(t, DRIFT, rows)
+    want = np.linalg.lstsq(dense.A, dense.b, rcond=None)[0]
+    got = np.concatenate([back_substitute(reduced, columns).ravel()[2:], columns])
+    np.testing.assert_allclose(got, want, atol=1e-9)
+    inverse = np.linalg.inv(dense.A.T @ dense.A)
+    np.testing.assert_allclose(covariance, inverse[-PLANES - 1 :, -PLANES - 1 :], rtol=1e-6, atol=1e-12)
+    at = 4 * 30 - 2
+    np.testing.assert_allclose(state_covariance(reduced, covariance, 30), inverse[at : at + 4, at : at + 4], rtol=1e-6, atol=1e-12)
+
+
+def test_the_marginal_likelihood_is_that_of_the_dense_system() -> None:
+    rng = np.random.default_rng(4)
+    t = rng.normal(0, 0.2, (FRAMES - 1, 2))
+    rows = random_rows(rng, 2)
+    values = []
+    for rate in (0.01, 0.03):
+        drift = DriftModel(rate, 0.03, 0.02)
+        dense = dense_joint(t, drift, rows)
+        best = np.linalg.lstsq(dense.A, dense.b, rcond=None)[0]
+        cost = float(((dense.A @ best - dense.b) ** 2).sum())
+        weights = -2 * (FRAMES - 1) * np.log(rate**2)  # the part of the rows' weights that depends on the rate
+        dense_value = 0.5 * (weights - np.linalg.slogdet(dense.A.T @ dense.A)[1] - cost)
+        values.append(log_marginal_likelihood(eliminate(joint_chain(t, drift), rows, PLANES)) - dense_value)
+    assert values[0] == pytest.approx(values[1], abs=1e-6)
+
+
+def test_a_plain_chain_forgets_nothing_over_a_long_walk() -> None:
+    rng = np.random.default_rng(5)
+    frames, planes = 400, 40
+    start = np.linspace(0, frames - 21, planes).astype(int)
+    frame = np.concatenate([np.arange(s, s + 20) for s in start])
+    column = np.repeat(np.arange(planes), 20)
+    rows = Rows(frame, np.zeros_like(frame), column, rng.normal(0, 1, len(frame)), np.ones(len(frame)))
+    t = rng.normal(0, 0.1, frames - 1)
+    chain: Chain = plain_chain(t, np.ones(frames - 1))
+    reduced = eliminate(chain, rows, planes)
+    columns, _ = solve_planes(reduced)
+    A = np.zeros((frames - 1 + len(frame), frames + planes))
+    A[np.arange(frames - 1), np.arange(frames - 1)] = -1
+    A[np.arange(frames - 1), np.arange(1, frames)] = 1
+    at = np.arange(len(frame)) + frames - 1
+    A[at, frame], A[at, frames + column] = -1, 1
+    b = np.concatenate([t, rows.distance_m])
+    want = np.linalg.lstsq(A[:, 1:], b, rcond=None)[0]
+    got = np.concatenate([back_substitute(reduced, columns)[1:, 0], columns])
+    np.testing.assert_allclose(got, want, atol=1e-9)
+    cost = float(columns @ reduced.information @ columns - 2 * columns @ reduced.rhs + reduced.constant)
+    assert cost == pytest.approx(float(((A[:, 1:] @ want - b) ** 2).sum()), rel=1e-9)
