@@ -1,9 +1,11 @@
 """One typed section per stage. Every field has a default, a unit in its name and a reason in its comment.
 
-A stage is given its own section only. Loading from TOML and `--set` is in `load`; an unknown key is an error.
+A stage is given its own section only. Loading from TOML and `--set` is in `config_file.py`: an unknown key is an error, a
+`Literal` lists the words a setting can be, and no setting whose name ends with a unit can be negative.
 """
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -20,14 +22,14 @@ class IngestConfig:
 class CompassConfig:
     """Manhattan yaw, in `2-segments`."""
 
-    method: str = "moments"  # or "entropy", the published search
+    method: Literal["moments", "entropy"] = "moments"  # or "entropy", the published search
 
 
 @dataclass(frozen=True)
 class SegmentsConfig:
     """Labelling, components and plane fits, in `2-segments`."""
 
-    method: str = "normals"  # or "vote", the published k x k vote
+    method: Literal["normals", "vote"] = "normals"  # or "vote", the published k x k vote
     pixel_stride: int = 2
 
 
@@ -47,8 +49,8 @@ class LeastSquaresConfig:
 class MergeConfig:
     """Stage `4-merge`. `radius_m`, `eps` and `mu_m` are the paper's; `evidence` takes its gates from the covariance."""
 
-    method: str = "paper"  # "paper" or "evidence"
-    engine: str = "cvxpy"  # of `paper`: "reduced" or "cvxpy"
+    method: Literal["paper", "evidence"] = "paper"
+    engine: Literal["reduced", "cvxpy"] = "cvxpy"  # of `paper`
     radius_m: float = 1.0
     eps: float = 0.02
     mu_m: float = 0.30
@@ -70,7 +72,7 @@ class PlanConfig:
 class DrawingConfig:
     """Writers: units, scale, sheet."""
 
-    units: str = "m"  # m, mm, ft
+    units: Literal["m", "mm", "ft"] = "m"
     scale: str = ""  # "1:50"; empty: chosen to fit the sheet
     sheet: str = "A3"
     dxf_version: str = "R2010"

@@ -63,7 +63,7 @@ def rotation_between(source: Array, target: Array) -> Array:
         normal /= np.linalg.norm(normal)
         return 2 * np.outer(normal, normal) - np.eye(3)
     skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.eye(3) + skew + skew @ skew / (1 + cosine)
+    return np.asarray(np.eye(3) + skew + skew @ skew / (1 + cosine))
 
 
 def wrap_to(angle_rad: Array, period_rad: float) -> Array:

@@ -1,0 +1,40 @@
+"""How the job tells what it is doing, without knowing who listens. The default listener is silent."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+Progress = Callable[[int, int], None]  # called with (done, total)
+
+
+def no_progress(done: int, total: int) -> None:
+    """A progress callback that does nothing."""
+
+
+class Reporter(Protocol):
+    """Messages and progress of one job."""
+
+    def message(self, text: str) -> None:
+        """One line about what was done."""
+        ...
+
+    def detail(self, text: str) -> None:
+        """One line that only a curious user wants."""
+        ...
+
+    def progress(self, title: str) -> Progress:
+        """A callback for one long task; the bar ends when done equals total."""
+        ...
+
+
+class SilentReporter:
+    """Tells nobody."""
+
+    def message(self, text: str) -> None:
+        """Nothing."""
+
+    def detail(self, text: str) -> None:
+        """Nothing."""
+
+    def progress(self, title: str) -> Progress:
+        """A callback that does nothing."""
+        return no_progress

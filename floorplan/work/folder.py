@@ -1,0 +1,114 @@
+"""The work folder itself: keeps each stage's result under its key, and makes only what is missing or stale."""
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from floorplan.errors import WorkFolderError
+from floorplan.reporting import Reporter, SilentReporter
+from floorplan.work.chunks import ChunkStore
+from floorplan.work.disk import clear_disk_errors, new_file, new_folder
+from floorplan.work.recipe import Recipe, differences, recipe_of
+from floorplan.work.stages import STAGES, Stage
+from floorplan.work.values import load_value, save_value, write_json
+
+T = TypeVar("T")
+OWNER_NAME = "work.json"
+
+
+@dataclass(frozen=True)
+class Owner:
+    """The scan a work folder belongs to: where it lay, the format it was read as, its fingerprint."""
+
+    scan: str
+    format: str
+    fingerprint: str
+
+
+class UntilReached(Exception):  # noqa: N818  (not an error: the job was asked to stop here)
+    """The job was asked to stop before this stage."""
+
+
+@dataclass
+class WorkFolder:
+    """Stages of one scan under one configuration. `redo_from`: made again from there on; `until`: the last one made."""
+
+    path: Path
+    owner: Owner
+    config: object
+    redo_from: Stage | None = None
+    until: Stage | None = None
+    reporter: Reporter = field(default_factory=SilentReporter)
+    keys: dict[str, str] = field(default_factory=dict)
+
+    def stage(self, stage: Stage, kind: type[T], make: Callable[[], T], counts: Callable[[T], Mapping[str, int]] = lambda value: {}) -> T:
+        """The result of `stage`: read when its key matches, otherwise made, kept and given back.
+
+        `counts` names the main numbers of the result for the log and `stage.json`. Raises `UntilReached` past `until`.
+        """
+        if self.until is not None and STAGES.index(stage) > STAGES.index(self.until):
+            raise UntilReached
+        recipe = self.recipe(stage)
+        self.keys[stage.folder] = recipe.key
+        reason = self._why_made(stage, recipe)
+        if not reason:
+            return load_value(self.path / stage.folder, kind)
+        self.reporter.detail(f"{stage.folder}: {reason}")
+        begin = time.perf_counter()
+        value = make()
+        self._keep(stage, recipe, value, time.perf_counter() - begin, dict(counts(value)))
+        return value
+
+    def recipe(self, stage: Stage) -> Recipe:
+        """What `stage` would be made with now."""
+        return recipe_of(stage, self.config, self.keys, f"{self.owner.format} {self.owner.fingerprint}")
+
+    def chunks(self, stage: Stage) -> ChunkStore:
+        """The finished parts of `stage`."""
+        return ChunkStore(self.path / f"{stage.folder}.partial", self.recipe(stage))
+
+    def _why_made(self, stage: Stage, recipe: Recipe) -> str:
+        if self.redo_from is not None and STAGES.index(stage) >= STAGES.index(self.redo_from):
+            return "made again, as asked for"
+        made = read_stage_record(self.path, stage)
+        return "not made yet" if made is None else "; ".join(differences(made["recipe"], recipe))
+
+    def _keep(self, stage: Stage, recipe: Recipe, value: object, seconds: float, counts: dict[str, int]) -> None:
+        final = self.path / stage.folder
+        with clear_disk_errors(final), new_folder(final) as making:
+            save_value(making, value)
+            record = {"key": recipe.key, "recipe": recipe.as_json(), "seconds": round(seconds, 3), "counts": counts}
+            write_json(making / "stage.json", record)
+        numbers = ", ".join(f"{count} {name}" for name, count in counts.items())
+        self.reporter.message(f"{stage.folder}  {seconds:.1f} s  {numbers}")
+
+
+def read_stage_record(work: Path, stage: Stage) -> dict[str, Any] | None:
+    """The `stage.json` of a finished stage (key, recipe, seconds, counts), None where there is none."""
+    path = work / stage.folder / "stage.json"
+    return json.loads(path.read_text("utf-8")) if path.exists() else None
+
+
+def read_owner(work: Path) -> Owner:
+    """Whose work folder this is. Raises `WorkFolderError` when `work` is none."""
+    path = work / OWNER_NAME
+    if not path.exists():
+        raise WorkFolderError(f"{work} is not a work folder (no {OWNER_NAME} in it); 'floorplan build SCAN' makes one")
+    return Owner(**json.loads(path.read_text("utf-8")))
+
+
+def claim(work: Path, owner: Owner) -> None:
+    """Make `work` the folder of `owner`'s scan. Raises `WorkFolderError` when it belongs to another scan or holds other things."""
+    with clear_disk_errors(work):
+        work.mkdir(parents=True, exist_ok=True)
+        if (work / OWNER_NAME).exists():
+            known = read_owner(work)
+            if known.fingerprint != owner.fingerprint and known.scan != owner.scan:
+                raise WorkFolderError(f"{work} was made from another scan ({known.scan}); choose another folder with --work, or delete it")
+        elif any(path.name != ".lock" for path in work.iterdir()):
+            raise WorkFolderError(f"{work} exists and is not a work folder; choose an empty or new one with --work")
+        with new_file(work / OWNER_NAME) as making:
+            write_json(making, {"scan": owner.scan, "format": owner.format, "fingerprint": owner.fingerprint})

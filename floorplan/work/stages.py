@@ -1,0 +1,39 @@
+"""The six stages: their folders, versions, config sections and inputs. Raise `version` when a stage's result changes."""
+
+from dataclasses import dataclass
+
+from floorplan.errors import UsageError
+
+REPORTED_ONLY = frozenset({"ingest.returns_to_start"})  # settings that only the summary reads: no stage depends on them
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage: `sections` of the configuration it reads, `inputs` folders of the stages it reads."""
+
+    folder: str
+    version: int
+    sections: tuple[str, ...]
+    inputs: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The folder's name without its number: what `--from` and `--until` take."""
+        return self.folder.split("-", 1)[1]
+
+
+INGEST = Stage("1-ingest", 1, ("ingest",))
+SEGMENTS = Stage("2-segments", 1, ("compass", "segments"), ("1-ingest",))
+LEAST_SQUARES = Stage("3-least-squares", 1, ("tracking", "least_squares"), ("1-ingest", "2-segments"))
+MERGE = Stage("4-merge", 1, ("merge",), ("3-least-squares",))
+RESOLVE = Stage("5-resolve", 1, ("resolve",), ("3-least-squares", "4-merge"))
+PLAN = Stage("6-plan", 1, ("plan",), ("1-ingest", "2-segments", "3-least-squares", "5-resolve"))
+STAGES = (INGEST, SEGMENTS, LEAST_SQUARES, MERGE, RESOLVE, PLAN)
+
+
+def stage_named(name: str) -> Stage:
+    """The stage of that name (`merge`, or the folder's name `4-merge`). Raises `UsageError` for any other word."""
+    for stage in STAGES:
+        if name in (stage.name, stage.folder):
+            return stage
+    raise UsageError(f"no stage is called '{name}'; the stages are {', '.join(s.name for s in STAGES)}")
