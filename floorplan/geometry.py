@@ -70,3 +70,19 @@ def wrap_to(angle_rad: Array, period_rad: float) -> Array:
     """Angles folded to [-period / 2, period / 2)."""
     half = period_rad / 2
     return np.asarray((np.asarray(angle_rad) + half) % period_rad - half)
+
+
+def rotation_from_vector(vector_rad: Array) -> Array:
+    """Rotation matrices (..., 3, 3) about `vector_rad (..., 3)` by its length (Rodrigues)."""
+    vector = np.asarray(vector_rad, dtype=np.float64)
+    half = np.linalg.norm(vector, axis=-1, keepdims=True) / 2
+    return rotation_from_quat_xyzw(np.concatenate((0.5 * np.sinc(half / np.pi) * vector, np.cos(half)), axis=-1))
+
+
+def vector_from_rotation(rotation: Array) -> Array:
+    """Rotation vectors (..., 3), of length at most pi, of rotation matrices (..., 3, 3)."""
+    quat = quat_xyzw_from_rotation(rotation)
+    sine = np.linalg.norm(quat[..., :3], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(sine, quat[..., 3:])
+    tiny = sine < np.finfo(np.float64).tiny
+    return np.asarray(quat[..., :3] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=~tiny))
