@@ -9,12 +9,27 @@ from typing import Literal
 
 
 @dataclass(frozen=True)
+class ReadConfig:
+    """What a recording does not say about itself. 0 or empty: as the recording says, or found out."""
+
+    fx: float = 0.0  # pixels of the depth image, centres at whole numbers
+    fy: float = 0.0  # 0: as fx
+    cx: float = 0.0
+    cy: float = 0.0
+    depth_scale: float = 0.0  # depth units per metre: 1000 for millimetres, 5000 in the TUM sets
+    world_up: str = ""  # axis of the odometry's world that points up: "+z", "-y", ...
+
+
+@dataclass(frozen=True)
 class IngestConfig:
     """Stage `1-ingest`."""
 
     keyframe_distance_m: float = 0.10  # a frame that moved less ...
     keyframe_angle_deg: float = 4.0  # ... and turned less than this since the last keyframe shows nothing new
     keyframe_gap_s: float = 1.0  # one keyframe at least this often
+    laser_keyframe_distance_m: float = 0.02  # a sweep costs a hundredth of an image: keep all that moved by more than its noise ...
+    laser_keyframe_angle_deg: float = 0.5  # ... or turned by a beam's width; thousands at one place carry no news
+    max_unreadable_share: float = 0.10  # of the depth images; with more the recording itself is suspect
     returns_to_start: bool | None = None  # None: as the recording says
 
 
@@ -93,6 +108,7 @@ class ProjectConfig:
 class Config:
     """The effective configuration: one section per stage."""
 
+    read: ReadConfig = field(default_factory=ReadConfig)
     ingest: IngestConfig = field(default_factory=IngestConfig)
     compass: CompassConfig = field(default_factory=CompassConfig)
     segments: SegmentsConfig = field(default_factory=SegmentsConfig)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from floorplan.config import ReadConfig
 from floorplan.model.scan import Frame, Problem, Recording
 
 
@@ -19,7 +20,10 @@ class BadFrame:
 class Source(Protocol):
     """An opened scan. Nothing but `recording` is held in memory; depth streams through `frames`."""
 
-    recording: Recording
+    @property
+    def recording(self) -> Recording:
+        """All of the scan except its depth."""
+        ...
 
     def frames(self, indices: Iterable[int], stride: int = 1) -> Iterator[Frame | BadFrame]:
         """Frames of the given rows of `recording`, in that order, every `stride`-th pixel of each grid direction.
@@ -30,15 +34,24 @@ class Source(Protocol):
 
 
 class Reader(Protocol):
-    """One format: a name, a sniffer that looks at names and first bytes only, and `open`."""
+    """One format: a name, a sniffer that looks at names and first bytes only, and `open`.
 
-    name: str
-    description: str
+    `description` says what the format is, `looks_for` which files make the sniffer recognise it.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> str: ...
+
+    @property
+    def looks_for(self) -> str: ...
 
     def sniff(self, path: Path) -> bool:
         """True when `path` looks like this format."""
         ...
 
-    def open(self, path: Path) -> Source:
+    def open(self, path: Path, config: ReadConfig) -> Source:
         """The opened scan. Raises `InputError` when it cannot be used at all."""
         ...

@@ -1,0 +1,46 @@
+"""Reading recordings: the table of formats, and the sniffer that picks one.
+
+Units, axes and quaternion order are converted in the readers and nowhere else.
+"""
+
+from pathlib import Path
+
+from floorplan.config import ReadConfig
+from floorplan.errors import InputError, UsageError
+from floorplan.readers.base import BadFrame, Reader, Source
+from floorplan.readers.carmen import CarmenReader
+from floorplan.readers.stray import StrayReader
+from floorplan.readers.tum import TumReader
+
+READERS: tuple[Reader, ...] = (StrayReader(), TumReader(), CarmenReader())
+
+__all__ = ["READERS", "BadFrame", "Reader", "Source", "open_scan", "reader_for"]
+
+
+def open_scan(path: Path, format: str | None = None, config: ReadConfig | None = None) -> Source:
+    """The scan at `path`, opened by the reader called `format`, or by the first one that recognises it.
+
+    Raises `InputError` when there is nothing at `path`, when no reader recognises it, or when the recording
+    cannot be used at all; `UsageError` when there is no format of that name.
+    """
+    return reader_for(path, format).open(path, config or ReadConfig())
+
+
+def reader_for(path: Path, format: str | None = None) -> Reader:
+    """The reader called `format`, or the first one that recognises what is at `path`. Errors as in `open_scan`."""
+    if not path.exists():
+        raise InputError(f"{path}: no such file or folder. Give the folder that holds the recording, or the log file.")
+    if format is not None:
+        return _named(format)
+    for reader in READERS:
+        if reader.sniff(path):
+            return reader
+    sought = "\n".join(f"  {reader.name}: {reader.looks_for}" for reader in READERS)
+    raise InputError(f"{path}: the format is not recognised. Looked for:\n{sought}\nGive the folder that holds these, or name the format.")
+
+
+def _named(format: str) -> Reader:
+    for reader in READERS:
+        if reader.name == format:
+            return reader
+    raise UsageError(f"unknown format {format!r}: choose one of {', '.join(reader.name for reader in READERS)}")

@@ -1,0 +1,57 @@
+"""Rows that can be used: poses that are numbers, stamps in order and each once. What is left out is counted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.model.checks import Array
+from floorplan.model.scan import Problem
+from floorplan.readers.pose_table import MISSING_STAMP_NS, PoseTable
+
+
+@dataclass(frozen=True)
+class UsableRows:
+    """`index (N,)` rows of the table in time order, each stamp once; and the problems met."""
+
+    index: Array
+    problems: tuple[Problem, ...]
+
+
+def usable_rows(table: PoseTable, where: str, first_line: int = 1) -> UsableRows:
+    """The rows of `table` that have a pose and a stamp of their own, sorted by time.
+
+    `where` names the file and `first_line` the line of row 0, for the messages.
+    """
+    problems: list[Problem] = []
+    valid = table.valid
+    if not valid.all():
+        row = int(np.argmin(valid))
+        advice = "these frames are left out; the odometry was probably lost there"
+        problems.append(Problem("pose-missing", "poses missing or not numbers", _line(where, row, first_line), int((~valid).sum()), advice))
+    index = np.flatnonzero(valid)
+    steps = np.diff(table.stamp_ns[index])
+    if (steps < 0).any():
+        row = int(index[np.argmax(steps < 0) + 1])
+        advice = "rows are sorted by time; check that this is one recording"
+        problems.append(Problem("stamp-unsorted", "stamps go back in time", _line(where, row, first_line), int((steps < 0).sum()), advice))
+    index = index[np.argsort(table.stamp_ns[index], kind="stable")]
+    doubled = np.concatenate([[False], np.diff(table.stamp_ns[index]) == 0])
+    if doubled.any():
+        row = int(index[np.argmax(doubled)])
+        advice = "the first row of each stamp is kept"
+        problems.append(Problem("stamp-doubled", "stamps occur more than once", _line(where, row, first_line), int(doubled.sum()), advice))
+    return UsableRows(index[~doubled], tuple(problems))
+
+
+def stamp_text(stamp_ns: int) -> str:
+    """A stamp for messages, seconds."""
+    return "no stamp" if stamp_ns == MISSING_STAMP_NS else f"{stamp_ns * 1e-9:.6f} s"
+
+
+def span_text(stamp_ns: Array) -> str:
+    """First and last stamp (N,) for messages."""
+    return f"{stamp_text(int(stamp_ns[0]))} to {stamp_text(int(stamp_ns[-1]))}"
+
+
+def _line(where: str, row: int, first_line: int) -> str:
+    return f"{where}, row {row + first_line}"

@@ -1,0 +1,168 @@
+"""TUM RGB-D folders: depth.txt, 16-bit PNGs, a trajectory, and (not in the original sets) intrinsics.json.
+
+Poses are camera-to-world with OpenCV camera axes; nothing in the folder says which way is up.
+"""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from floorplan.config import ReadConfig
+from floorplan.errors import InputError
+from floorplan.model.checks import Array
+from floorplan.model.scan import GravitySource, Intrinsics, NoiseModel, Problem, Recording, Sensor, SensorKind
+from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
+from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
+from floorplan.readers.pose_table import (
+    Interpolated,
+    PoseTable,
+    interpolate,
+    read_tum_trajectory,
+    stamp_ns_from_text,
+    text_lines,
+)
+from floorplan.readers.row_checks import span_text, stamp_text, usable_rows
+from floorplan.readers.world_up import down_in_sensor, named_axis
+
+TRAJECTORY_FILES = ("odometry.txt", "groundtruth.txt")  # in this order
+UNITS_PER_METRE = 5000.0  # of the original sets
+MAX_POSE_GAP_S = 0.5  # a hand-held camera can turn by tens of degrees in longer gaps: nothing to interpolate
+# Structured light: sigma_z grows with the square of depth (Khoshelham & Elberink 2012, Sensors 12; the coefficients are those
+# of Nguyen, Izadi & Lovell 2012, 3DIMPVT, rounded up from 0.4 m to 0). Also an upper bound for time-of-flight cameras up to 4 m.
+NOISE = NoiseModel(constant_m=0.0015, quadratic_per_m=0.0019)
+MIN_RANGE_M = 0.3
+MAX_RANGE_M = 10.0  # a disparity step is 25 cm there
+
+
+@dataclass(frozen=True)
+class TumReader:
+    """See `Reader`."""
+
+    name: str = "tum"
+    description: str = "TUM RGB-D folder"
+    looks_for: str = "a folder with depth.txt"
+
+    def sniff(self, path: Path) -> bool:
+        """True for a folder with depth.txt."""
+        return (path / "depth.txt").is_file()
+
+    def open(self, path: Path, config: ReadConfig) -> DepthImages:
+        """The opened scan. Raises `InputError` without frames, poses or intrinsics."""
+        return _open(path, config)
+
+
+@dataclass(frozen=True)
+class _DepthList:
+    stamp_ns: Array  # (N,) sorted, each once
+    paths: tuple[Path, ...]
+    problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True)
+class _Lens:
+    """Intrinsics, of an image that may have another size than the depth, and depth units per metre."""
+
+    intrinsics: Intrinsics
+    units_per_metre: float
+
+
+def _open(path: Path, config: ReadConfig) -> DepthImages:
+    listed = _depth_list(path)
+    files = look_at_depth_files(listed.paths, path / "depth")
+    lens = _lens(path, files, config)
+    trajectory, trajectory_problems = _trajectory(path)
+    poses = interpolate(trajectory, listed.stamp_ns, MAX_POSE_GAP_S)
+    rows = np.flatnonzero(files.whole & poses.known)
+    if not len(rows):
+        spans = f"depth spans {span_text(listed.stamp_ns)}, the poses {span_text(trajectory.stamp_ns)}"
+        raise InputError(f"{path}: no depth image has a pose: {spans}; both need the same clock")
+    problems = listed.problems + files.problems + trajectory_problems + _unposed(listed, poses)
+    intrinsics = lens.intrinsics
+    return DepthImages(
+        recording=_with_up(_recording(listed.stamp_ns[rows], poses, rows, intrinsics, problems), config.world_up),
+        depth_paths=tuple(listed.paths[row] for row in rows),
+        metres_per_unit=1.0 / lens.units_per_metre,
+        focal_px=np.tile([intrinsics.fx, intrinsics.fy], (len(rows), 1)),
+        centre_px=np.tile([intrinsics.cx, intrinsics.cy], (len(rows), 1)),
+    )
+
+
+def _depth_list(path: Path) -> _DepthList:
+    rows = [line.split(maxsplit=1) for line in text_lines(path / "depth.txt")]
+    rows = [row for row in rows if len(row) == 2]
+    stamps = np.array([stamp_ns_from_text(row[0]) for row in rows], dtype=np.int64)
+    table = PoseTable(stamps, np.zeros((len(rows), 3)), np.tile([0.0, 0.0, 0.0, 1.0], (len(rows), 1)))  # stamps alone are checked
+    usable = usable_rows(table, "depth.txt")
+    if not len(usable.index):
+        raise InputError(f"{path / 'depth.txt'}: no frames: no line of the form `stamp file`")
+    problems = tuple(replace(p, code="stamp-unreadable", message="no numbers") if p.code == "pose-missing" else p for p in usable.problems)
+    return _DepthList(stamps[usable.index], tuple(path / rows[row][1].strip() for row in usable.index), problems)
+
+
+def _trajectory(path: Path) -> tuple[PoseTable, tuple[Problem, ...]]:
+    """The poses that can be used, in time order."""
+    file = next((path / name for name in TRAJECTORY_FILES if (path / name).is_file()), None)
+    if file is None:
+        raise InputError(f"{path}: poses missing: no {' and no '.join(TRAJECTORY_FILES)}; add a trajectory `stamp tx ty tz qx qy qz qw`")
+    table = read_tum_trajectory(file)
+    usable = usable_rows(table, file.name)
+    if not len(usable.index):
+        raise InputError(f"{file}: no pose could be read; lines must be `stamp tx ty tz qx qy qz qw`")
+    return table.rows(usable.index), usable.problems
+
+
+def _lens(path: Path, files: DepthFiles, config: ReadConfig) -> _Lens:
+    """From the settings, else from intrinsics.json; scaled when it belongs to another image size."""
+    file = path / "intrinsics.json"
+    stored = _intrinsics_json(file) if file.is_file() else None
+    units = config.depth_scale or (stored.units_per_metre if stored else UNITS_PER_METRE)
+    if config.fx:
+        return _Lens(Intrinsics(files.width, files.height, config.fx, config.fy or config.fx, config.cx, config.cy), units)
+    if stored is None:
+        advice = "set read.fx, read.fy, read.cx, read.cy, or write intrinsics.json with width, height, fx, fy, cx, cy"
+        raise InputError(f"{path}: intrinsics missing: no intrinsics.json; {advice}")
+    return _Lens(scaled_intrinsics(stored.intrinsics, files.width, files.height), units)
+
+
+def _intrinsics_json(file: Path) -> _Lens:
+    try:
+        data: dict[str, Any] = json.loads(file.read_text(encoding="utf-8-sig"))
+        fx, fy, cx, cy = (float(data[key]) for key in ("fx", "fy", "cx", "cy"))
+        width, height = int(data["width"]), int(data["height"])
+        units = float(data.get("depth_scale", UNITS_PER_METRE))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{file}: intrinsics missing: {error}; it needs width, height, fx, fy, cx, cy and may have depth_scale") from error
+    if min(fx, fy, units, width, height) <= 0:
+        raise InputError(f"{file}: width, height, fx, fy and depth_scale must be greater than 0")
+    return _Lens(Intrinsics(width, height, fx, fy, cx, cy), units)
+
+
+def _unposed(listed: _DepthList, poses: Interpolated) -> tuple[Problem, ...]:
+    if poses.known.all():
+        return ()
+    first = stamp_text(int(listed.stamp_ns[int(np.argmin(poses.known))]))
+    message = f"depth images without a pose within {MAX_POSE_GAP_S} s"
+    return (Problem("pose-gap", message, first, int((~poses.known).sum()), "these frames are left out"),)
+
+
+def _recording(stamp_ns: Array, poses: Interpolated, rows: Array, intrinsics: Intrinsics, problems: tuple[Problem, ...]) -> Recording:
+    sensor = Sensor(
+        SensorKind.CAMERA, intrinsics.height, intrinsics.width, NOISE, MIN_RANGE_M, MAX_RANGE_M, 1.0 / intrinsics.fx, intrinsics
+    )
+    unknown = np.full((len(rows), 3), np.nan)
+    return Recording(
+        "tum", sensor, stamp_ns, poses.position_m[rows], poses.rotation[rows], unknown, GravitySource.UNKNOWN, problems
+    )
+
+
+
+
+def _with_up(recording: Recording, world_up: str) -> Recording:
+    """The recording with gravity from the setting `read.world_up`, where that is given."""
+    if not world_up:
+        return recording
+    down = down_in_sensor(named_axis(world_up), recording.odom_from_sensor)
+    return replace(recording, down_sensor=down, gravity_source=GravitySource.WORLD)

@@ -1,0 +1,21 @@
+"""The up direction named by an axis of the odometry's world."""
+
+import numpy as np
+
+from floorplan.errors import ConfigError
+from floorplan.model.checks import Array
+
+AXES = "xyz"
+
+
+def named_axis(name: str) -> Array:
+    """Unit vector (3,) of "+z", "-y" and the like. Raises `ConfigError` for anything else."""
+    sign, letter = (name[0], name[1:]) if name[:1] in "+-" else ("+", name)
+    if len(letter) != 1 or letter not in AXES:
+        raise ConfigError(f"read.world_up = {name!r}: must be one of +x, -x, +y, -y, +z, -z")
+    return np.asarray(np.eye(3)[AXES.index(letter)] * (-1.0 if sign == "-" else 1.0))
+
+
+def down_in_sensor(up_world: Array, world_from_sensor: Array) -> Array:
+    """Down directions (N, 3) in the sensor's axes, of `up_world (3,)` and rotations (N, 3, 3)."""
+    return np.asarray(-np.einsum("nji,j->ni", world_from_sensor, up_world))
