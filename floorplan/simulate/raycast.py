@@ -1,0 +1,73 @@
+"""Rays against a building's surfaces. The one module of the simulator that imports Open3D."""
+
+import ctypes
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from floorplan.model.checks import Array
+from floorplan.simulate.surfaces import Surface, SurfaceKind
+
+NO_SURFACE = -1
+THREADS = 1  # Embree's result does not depend on it; other work shares the machine
+
+
+@dataclass(frozen=True)
+class Hits:
+    """Where R rays ended: `distance (R,)` in ray lengths (inf: nowhere), `surface (R,)` index into the caster's surfaces."""
+
+    distance: Array
+    surface: Array
+
+
+class RayCaster:
+    """Casts against solid surfaces and against panes of glass, which do not hide what is behind them."""
+
+    def __init__(self, surfaces: tuple[Surface, ...]) -> None:
+        self._open3d = _open3d()
+        self.surfaces = surfaces
+        kinds = [surface.kind for surface in surfaces]
+        self._solid = np.array([i for i, kind in enumerate(kinds) if kind is not SurfaceKind.GLASS])
+        self._glass = np.array([i for i, kind in enumerate(kinds) if kind is SurfaceKind.GLASS])
+        self._solid_scene = self._scene(self._solid)
+        self._glass_scene = self._scene(self._glass) if len(self._glass) else None
+
+    def solid(self, origins: Array, directions: Array) -> Hits:
+        """First solid surface along each ray: `origins`, `directions` (R, 3)."""
+        return self._cast(self._solid_scene, self._solid, origins, directions)
+
+    def glass(self, origins: Array, directions: Array) -> Hits | None:
+        """First pane along each ray; None for a building without glass."""
+        if self._glass_scene is None:
+            return None
+        return self._cast(self._glass_scene, self._glass, origins, directions)
+
+    def _scene(self, rows: Array) -> Any:
+        corners = np.stack([self.surfaces[row].corner for row in rows]).astype(np.float32)
+        first = 4 * np.arange(len(rows), dtype=np.uint32)
+        halves = [np.column_stack((first, first + 1, first + 2)), np.column_stack((first, first + 2, first + 3))]
+        scene = self._open3d.t.geometry.RaycastingScene(nthreads=THREADS)
+        scene.add_triangles(corners.reshape(-1, 3), np.stack(halves, axis=1).reshape(-1, 3))
+        return scene
+
+    def _cast(self, scene: Any, rows: Array, origins: Array, directions: Array) -> Hits:
+        rays = np.concatenate((np.broadcast_to(origins, directions.shape), directions), axis=1).astype(np.float32)
+        answer = scene.cast_rays(self._open3d.core.Tensor(rays), nthreads=THREADS)
+        distance = answer["t_hit"].numpy()
+        triangle = answer["primitive_ids"].numpy()
+        none = ~np.isfinite(distance)
+        surface = rows[np.where(none, 0, triangle // 2)]
+        return Hits(distance, np.where(none, NO_SURFACE, surface))
+
+
+def _open3d() -> Any:
+    """Open3D; its missing libusb comes from the package `libusb-package`, loaded first for all to see."""
+    import libusb_package
+
+    path = libusb_package.get_library_path()
+    if path is not None:
+        ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL)
+    import open3d
+
+    return open3d

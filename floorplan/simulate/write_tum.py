@@ -1,0 +1,43 @@
+"""A simulated scan as a TUM RGB-D folder: depth.txt, 16-bit PNGs, odometry.txt, intrinsics.json; world up is +z."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from floorplan.geometry import quat_xyzw_from_rotation
+from floorplan.model.checks import Array
+from floorplan.simulate.odometry import Odometry
+from floorplan.simulate.png import write_png16
+from floorplan.simulate.sensor import Pinhole
+from floorplan.simulate.walk import Walk
+
+DEPTH_SCALE = 1000  # PNG values per metre
+
+
+class TumWriter:
+    """Writes depth frame by frame; the small files at the end."""
+
+    def __init__(self, folder: Path, pinhole: Pinhole) -> None:
+        self.folder, self.pinhole = folder, pinhole
+        (folder / "depth").mkdir(parents=True, exist_ok=True)
+
+    def frame(self, index: int, depth_m: Array, _true_m: Array) -> None:
+        """One depth image."""
+        write_png16(self.folder / "depth" / f"{index:06d}.png", depth_m * DEPTH_SCALE)
+
+    def finish(self, walk: Walk, odometry: Odometry) -> None:
+        """depth.txt, odometry.txt, intrinsics.json."""
+        stamps = [f"{ns // 10**9}.{ns % 10**9:09d}" for ns in walk.stamp_ns.tolist()]
+        names = [f"{stamp} depth/{index:06d}.png" for index, stamp in enumerate(stamps)]
+        _write(self.folder / "depth.txt", ["# timestamp filename", *names])
+        numbers = np.column_stack((odometry.position_m, quat_xyzw_from_rotation(odometry.odom_from_camera)))
+        rows = [f"{stamp} " + " ".join(f"{value:.7f}" for value in row) for stamp, row in zip(stamps, numbers, strict=True)]
+        _write(self.folder / "odometry.txt", ["# timestamp tx ty tz qx qy qz qw", *rows])
+        camera = self.pinhole
+        facts = {"width": camera.width, "height": camera.height, "fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
+        (self.folder / "intrinsics.json").write_text(json.dumps({**facts, "depth_scale": DEPTH_SCALE}, indent=1) + "\n")
+
+
+def _write(path: Path, lines: list[str]) -> None:
+    path.write_text("\n".join(lines) + "\n")
