@@ -75,6 +75,8 @@ class MergeConfig:
 class ResolveConfig:
     """Stage `5-resolve`."""
 
+    covariance: bool = True  # planes x planes: a gigabyte at ten thousand planes, so it can be left out
+
 
 @dataclass(frozen=True)
 class PlanConfig:

@@ -1,0 +1,16 @@
+"""Stage `4-merge`: which initial planes are one and the same."""
+
+from floorplan.config import MergeConfig
+from floorplan.errors import ConfigError
+from floorplan.merge.paper import merge_paper
+from floorplan.model.graph import LayoutGraph, LeastSquaresSolution, MergeResult
+
+
+def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
+    """The decisions of `config.method` about every hypothesis, and the planes they make.
+
+    Raises NoSolutionError when the method's problem has no solution that passes our checks.
+    """
+    if config.method == "paper":
+        return merge_paper(graph, least_squares, config)
+    raise ConfigError(f"merge.method = '{config.method}' is unknown; it is 'paper' or 'evidence'")

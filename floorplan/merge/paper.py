@@ -1,0 +1,74 @@
+"""`merge.method = "paper"`: the published L1 merge with a fixed radius and threshold (METHOD.md, step 4)."""
+
+import numpy as np
+
+from floorplan.config import MergeConfig
+from floorplan.errors import ConfigError
+from floorplan.merge.certificate import Certificate, certify, verified
+from floorplan.merge.hypotheses import Pairs, planes_of_tracks
+from floorplan.merge.paper_cvxpy import ADVICE, solve_verbatim
+from floorplan.merge.paper_problem import (
+    EXACT_RESIDUAL_M,
+    PaperAnswer,
+    PaperProblem,
+    empty_ball,
+    paper_problem,
+    signed_least_squares,
+)
+from floorplan.model.checks import Array
+from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult, Verdict
+
+
+def merge_paper(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
+    """The L1 solution, verified by us, its threshold decisions and the planes they make.
+
+    `least_squares` must be the unweighted one, without D. Raises NoSolutionError when the ball with D is empty or
+    the engine's answer fails our checks.
+    """
+    problem = paper_problem(graph, least_squares, config.radius_m, config.eps)
+    answer, certificate = solve_paper(problem, config.engine)
+    gap = problem.pairs.gap_m(answer.track_offset_m)
+    accepted = np.abs(gap) <= config.mu_m
+    return MergeResult(
+        method="paper",
+        hypotheses=_hypotheses(problem, gap, accepted),
+        plane_of_track=planes_of_tracks(len(graph.axis), problem.pairs.select(accepted)),
+        track_offset_m=answer.track_offset_m,
+        position_m=answer.position_m,
+        objective=certificate.objective_m,
+        delta_m=problem.delta_m,
+        residual_m=certificate.residual_m,
+    )
+
+
+def solve_paper(problem: PaperProblem, engine: str) -> tuple[PaperAnswer, Certificate]:
+    """The verified optimum of the published problem by the given engine."""
+    if problem.is_single_point or not len(problem.pairs):
+        return _without_choice(problem)
+    if engine == "cvxpy":
+        answer = solve_verbatim(problem)
+        return answer, verified(problem, answer, engine, ADVICE)
+    raise ConfigError(f"merge.engine = '{engine}' is unknown; it is 'reduced' or 'cvxpy'")
+
+
+def _without_choice(problem: PaperProblem) -> tuple[PaperAnswer, Certificate]:
+    """Without pairs, or with rows that agree exactly, the least squares with signs is the answer."""
+    answer = signed_least_squares(problem)
+    certificate = certify(problem, answer)
+    if certificate.residual_m > problem.delta_m + EXACT_RESIDUAL_M:
+        raise empty_ball(problem, certificate.residual_m)
+    return answer, certificate
+
+
+def _hypotheses(problem: PaperProblem, gap_m: Array, accepted: Array) -> Hypotheses:
+    pairs: Pairs = problem.pairs
+    unknown = np.full(len(pairs), np.nan)
+    return Hypotheses(
+        first=pairs.first,
+        second=pairs.second,
+        distance_m=pairs.gap_m(problem.least_squares.track_offset_m),
+        solved_distance_m=gap_m,
+        sigma_m=unknown,
+        chi_square=unknown,
+        verdict=tuple(Verdict.ACCEPTED if yes else Verdict.BEYOND_THRESHOLD for yes in accepted.tolist()),
+    )
