@@ -82,7 +82,19 @@ class ResolveConfig:
 class PlanConfig:
     """Stage `6-plan`."""
 
-    max_bridged_gap_m: float = 0.30
+    max_bridged_gap_m: float = 0.30  # narrower than any door; closed only where no ray passed
+    cell_along_m: float = 0.05  # grain of the ray counts along a wall; edges are placed more finely
+    cell_up_m: float = 0.10  # and up it
+    wall_band_low_m: float = 1.2  # above tables, desks and sills ...
+    wall_band_high_m: float = 1.95  # ... and below door lintels: here a wall is hit and an opening is seen through
+    min_wall_length_m: float = 0.20  # a jamb, a recess; shorter pieces are not told from clutter
+    min_frames: int = 3  # what stood in fewer keyframes may have been passing by
+    min_thickness_m: float = 0.05  # thinnest partition
+    max_thickness_m: float = 0.60  # thickest wall; farther apart two faces are a shaft or a room
+    max_door_width_m: float = 1.3  # wider openings join two rooms into one
+    min_door_width_m: float = 0.6  # narrower ones cannot be walked through
+    max_opening_width_m: float = 1.6  # wider free runs are no opening in a wall but the lack of one
+    min_room_area_m2: float = 1.0  # smaller closed spaces are shafts and cupboards
 
 
 @dataclass(frozen=True)

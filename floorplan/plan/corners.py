@@ -1,0 +1,93 @@
+"""Ends of wall runs brought onto each other: corners meet exactly, overshoots are trimmed, door jambs of two faces agree."""
+
+from dataclasses import dataclass, replace
+
+from floorplan.plan.faces import Run
+
+MIN_SIDE_M = 0.03  # how far a face must reach to one side of another to be called standing on that side
+JAMB_MISMATCH_M = 0.15  # ends of two faces of one wall nearer than this are one jamb: no wall is cut so obliquely
+
+
+@dataclass(frozen=True)
+class FaceRun:
+    """A run with its plane: `axis` it is normal to, `facing`, `offset_m`; `cornered` says which ends (start, end) lie on another face."""
+
+    run: Run
+    axis: int
+    facing: int
+    offset_m: float
+    sigma_m: float
+    cornered: tuple[bool, bool] = (False, False)
+
+    @property
+    def start_m(self) -> float:
+        return self.run.start_m
+
+    @property
+    def end_m(self) -> float:
+        return self.run.end_m
+
+    def overlap_m(self, other: "FaceRun") -> float:
+        """Length along which two parallel runs lie side by side; negative: the gap between them."""
+        return min(self.end_m, other.end_m) - max(self.start_m, other.start_m)
+
+
+def with_ends(face: FaceRun, start_m: float, end_m: float) -> FaceRun:
+    """The run from `start_m` to `end_m`; its seen parts are clipped, and the outermost stretched along with short extensions."""
+    inside = [(max(a, start_m), min(b, end_m)) for a, b in face.run.seen if min(b, end_m) > max(a, start_m)]
+    if inside:
+        inside[0] = (start_m, inside[0][1])
+        inside[-1] = (inside[-1][0], end_m)
+    return replace(face, run=replace(face.run, start_m=start_m, end_m=end_m, seen=tuple(inside)))
+
+
+def joined_corners(faces: tuple[FaceRun, ...], reach_m: float) -> tuple[FaceRun, ...]:
+    """Every end that comes within `reach_m` of a fitting perpendicular face is put onto it."""
+    return tuple(_cornered(face, faces, reach_m) for face in faces)
+
+
+def _cornered(face: FaceRun, faces: tuple[FaceRun, ...], reach_m: float) -> FaceRun:
+    start = _corner_m(face, faces, -1, reach_m)
+    end = _corner_m(face, faces, +1, reach_m)
+    new_start = face.start_m if start is None else start
+    new_end = face.end_m if end is None else end
+    if new_end - new_start < MIN_SIDE_M:
+        return face
+    return replace(with_ends(face, new_start, new_end), cornered=(start is not None, end is not None))
+
+
+def _corner_m(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: float) -> float | None:
+    """Coordinate of the nearest perpendicular face that this end can meet, or None."""
+    at = face.end_m if direction > 0 else face.start_m
+    is_open = face.run.open_end if direction > 0 else face.run.open_start
+    best: tuple[float, float] | None = None
+    for other in faces:
+        if other.axis == face.axis or abs(other.offset_m - at) > reach_m:
+            continue
+        gap = (other.offset_m - at) * direction
+        if is_open and gap > 2 * MIN_SIDE_M:  # rays passed between this end and that face
+            continue
+        side = face.facing if other.facing == -direction else -face.facing  # concave corner, or convex
+        if _reaches_side(other, face.offset_m, side, reach_m) and (best is None or abs(gap) < best[0]):
+            best = (abs(gap), other.offset_m)
+    return None if best is None else best[1]
+
+
+def _reaches_side(face: FaceRun, offset_m: float, side: int, reach_m: float) -> bool:
+    """Whether `face` extends to `side` of the line at `offset_m` and comes within `reach_m` of it."""
+    near, far = (face.start_m, face.end_m) if side > 0 else (face.end_m, face.start_m)
+    return (far - offset_m) * side > MIN_SIDE_M and (near - offset_m) * side < reach_m
+
+
+def agreed_jambs(faces: tuple[FaceRun, ...], pairs: tuple[tuple[int, int], ...]) -> tuple[FaceRun, ...]:
+    """Free ends of the two faces of one wall that nearly agree are put at their mean."""
+    result = list(faces)
+    for a, b in pairs:
+        first, second = result[a], result[b]
+        ends = [[first.start_m, first.end_m], [second.start_m, second.end_m]]
+        for k in range(2):
+            free = not (first.cornered[k] or second.cornered[k])
+            if free and abs(ends[0][k] - ends[1][k]) < JAMB_MISMATCH_M:
+                ends[0][k] = ends[1][k] = 0.5 * (ends[0][k] + ends[1][k])
+        result[a], result[b] = with_ends(first, *ends[0]), with_ends(second, *ends[1])
+    return tuple(result)

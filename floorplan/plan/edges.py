@@ -1,0 +1,36 @@
+"""Where a wall begins and ends along its plane, more finely than the cells of the ray counts."""
+
+import numpy as np
+
+from floorplan.plan.surface_evidence import FINE_CELLS, PlaneEvidence
+
+SEARCH_CELLS = 3  # the edge is looked for this many cells to both sides of the coarse one
+
+
+def rays_beyond(evidence: PlaneEvidence, column: int, inward: int) -> bool:
+    """Whether rays passed just beyond the edge at `column`: the end is a jamb or a free edge, not the end of what was looked at."""
+    reach = SEARCH_CELLS
+    beyond = slice(max(column - reach, 0), column) if inward > 0 else slice(column, column + reach)
+    low, high = beyond.start * FINE_CELLS, beyond.stop * FINE_CELLS
+    return bool(evidence.fine_passes[low:high].sum() > evidence.fine_hits[low:high].sum())
+
+
+def refined_edge_m(evidence: PlaneEvidence, column: int, inward: int) -> float:
+    """Coordinate of the edge near the beginning of `column`, the wall lying towards `inward` (+1 or -1).
+
+    The edge that leaves the fewest rays on the wrong side: hits beyond it and passes before it. Between equally
+    good ones, the middle where rays passed beyond (a jamb), else the last hit.
+    """
+    middle, reach = column * FINE_CELLS, SEARCH_CELLS * FINE_CELLS
+    low, high = max(middle - reach, 0), min(middle + reach, len(evidence.fine_hits))
+    hits, passes = evidence.fine_hits[low:high], evidence.fine_passes[low:high]
+    if not hits.any():  # behind a cabinet, or seen only above: no finer evidence
+        return evidence.along_m(column)
+    if inward < 0:
+        hits, passes = hits[::-1], passes[::-1]
+    wrong = np.concatenate(([0.0], np.cumsum(hits))) + np.concatenate((np.cumsum(passes[::-1])[::-1], [0.0]))
+    best = np.flatnonzero(wrong <= wrong.min() + 1e-9)
+    seen_beyond = passes[: best[0]].sum() > 0
+    edge = 0.5 * (best[0] + best[-1]) if seen_beyond else float(best[-1])
+    cells = low + edge if inward > 0 else high - edge
+    return evidence.along_start_m + cells * evidence.along_step_m / FINE_CELLS

@@ -1,0 +1,160 @@
+"""What is wall surface: runs of columns of a plane where rays were stopped at the height of walls, and not seen over the top."""
+
+from collections import defaultdict
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from floorplan.config import PlanConfig
+from floorplan.model.checks import Array
+from floorplan.model.plan import Rejection
+from floorplan.plan.edges import rays_beyond, refined_edge_m
+from floorplan.plan.surface_evidence import PlaneEvidence
+
+TOP_WINDOW_M = 0.4  # how far below the highest evidence "seen over the top" looks
+SMOOTH_COLUMNS = 2  # neighbours on each side whose rays are counted along with a column's own near the top
+
+
+class Reason(StrEnum):
+    """Why a candidate is not drawn as wall."""
+
+    LOW = "does not reach wall height"
+    SEEN_THROUGH = "rays passed through"
+    OVER_TOP = "seen over the top"
+    SHORT = "too short"
+    FEW_FRAMES = "seen in too few frames"
+    DOUBLED = "doubled by a better supported face"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A straight stretch of wall surface on `plane`, between two coordinates along it.
+
+    `seen (K, 2)` the parts with own evidence, the rest was bridged; `low_m`, `high_m` heights hit; `hits` support;
+    `open_start`, `open_end`: rays passed just beyond that end.
+    """
+
+    plane: int
+    start_m: float
+    end_m: float
+    seen: tuple[tuple[float, float], ...]
+    low_m: float | None
+    high_m: float | None
+    hits: float
+    open_start: bool = False
+    open_end: bool = False
+
+    @property
+    def length_m(self) -> float:
+        return self.end_m - self.start_m
+
+
+@dataclass(frozen=True)
+class FaceEvidence:
+    """The runs that are wall, and what was kept off the plan."""
+
+    runs: tuple[Run, ...]
+    rejections: tuple[Rejection, ...]
+
+
+@dataclass(frozen=True)
+class ColumnVerdict:
+    """Per column (U,): `wall` surface, `open` to rays, or neither; and the reasons against."""
+
+    wall: Array
+    open: Array
+    low: Array
+    over_top: Array
+
+
+def find_runs(evidence: tuple[PlaneEvidence, ...], config: PlanConfig, heights: bool) -> FaceEvidence:
+    """Wall runs of all planes, and rejections counted by reason."""
+    runs: list[Run] = []
+    lost: dict[Reason, list[float]] = defaultdict(list)
+    for plane in evidence:
+        verdict = judge_columns(plane, config, heights)
+        kept, refused = _runs_of_plane(plane, verdict, config, heights)
+        runs += kept
+        for reason, length in refused:
+            lost[reason].append(length)
+    rejections = tuple(Rejection(str(reason), len(lengths), float(sum(lengths))) for reason, lengths in sorted(lost.items()))
+    return FaceEvidence(tuple(runs), rejections)
+
+
+def judge_columns(evidence: PlaneEvidence, config: PlanConfig, heights: bool) -> ColumnVerdict:
+    """Judge every column of a plane by its rays at wall height; level sweeps have only one height to judge by."""
+    low, high = (evidence.row(config.wall_band_low_m), evidence.row(config.wall_band_high_m)) if heights else (0, 1)
+    hits, passes, blocked = (counts[:, low:high].sum(axis=1) for counts in (evidence.hits, evidence.passes, evidence.blocked))
+    nothing = np.zeros(len(hits), dtype=bool)
+    if not heights:
+        return ColumnVerdict((hits > passes), passes >= np.maximum(hits, 1e-9), nothing, nothing)
+    top_hits, top_passes = _near_the_top(evidence, high)
+    over_top = top_passes > top_hits
+    hidden = (blocked > 0) & (hits + passes == 0) & (top_hits > top_passes)
+    wall = ((hits > passes) | hidden) & ~over_top
+    any_low = evidence.hits[:, :low].sum(axis=1) > 0
+    return ColumnVerdict(wall, passes > hits, any_low & ~wall & ~(hits > 0), over_top & (hits > passes))
+
+
+def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> tuple[Array, Array]:
+    """Hits and passes (U,) in the rows just below the highest ray of each column, its neighbours' rays included."""
+    kernel = np.ones(2 * SMOOTH_COLUMNS + 1)
+    hits, passes = (np.apply_along_axis(np.convolve, 0, counts, kernel, mode="same") for counts in (evidence.hits, evidence.passes))
+    rows = hits.shape[1]
+    any_ray = hits + passes > 0
+    top_row = np.where(any_ray.any(axis=1), rows - 1 - np.argmax(any_ray[:, ::-1], axis=1), 0)
+    window = round(TOP_WINDOW_M / evidence.up_step_m)
+    row = np.arange(rows)[None, :]
+    inside = (row <= top_row[:, None]) & (row > top_row[:, None] - window) & (row >= band_top_row - window)
+    return (hits * inside).sum(axis=1), (passes * inside).sum(axis=1)
+
+
+def _runs_of_plane(
+    evidence: PlaneEvidence, verdict: ColumnVerdict, config: PlanConfig, heights: bool
+) -> tuple[list[Run], list[tuple[Reason, float]]]:
+    kept, refused = [], []
+    for first, last in bridged_spans(verdict, evidence.along_step_m, config.max_bridged_gap_m):
+        run = _run(evidence, verdict, first, last, heights)
+        seen_in = int(evidence.frames[first:last].max())
+        if run.length_m < config.min_wall_length_m:
+            refused.append((Reason.SHORT, run.length_m))
+        elif seen_in < config.min_frames:
+            refused.append((Reason.FEW_FRAMES, run.length_m))
+        else:
+            kept.append(run)
+    through = verdict.open & (evidence.hits.sum(axis=1) > 0) & ~verdict.low
+    for reason, columns in ((Reason.LOW, verdict.low), (Reason.OVER_TOP, verdict.over_top), (Reason.SEEN_THROUGH, through)):
+        lengths = [(b - a) * evidence.along_step_m for a, b in spans(columns)]
+        refused += [(reason, length) for length in lengths if length >= config.min_wall_length_m]
+    return kept, refused
+
+
+def spans(mask: Array) -> list[tuple[int, int]]:
+    """Half-open index ranges where `mask (U,)` is true."""
+    change = np.flatnonzero(np.diff(np.concatenate(([0], np.asarray(mask, dtype=np.int8), [0]))))
+    return [(int(a), int(b)) for a, b in change.reshape(-1, 2)]
+
+
+def bridged_spans(verdict: ColumnVerdict, step_m: float, max_gap_m: float) -> list[tuple[int, int]]:
+    """Spans of wall columns, joined over gaps up to `max_gap_m` in which no ray passed."""
+    joined: list[tuple[int, int]] = []
+    for first, last in spans(verdict.wall):
+        if joined:
+            gap = slice(joined[-1][1], first)
+            if (first - joined[-1][1]) * step_m <= max_gap_m and not (verdict.open[gap] | verdict.over_top[gap]).any():
+                joined[-1] = (joined[-1][0], last)
+                continue
+        joined.append((first, last))
+    return joined
+
+
+def _run(evidence: PlaneEvidence, verdict: ColumnVerdict, first: int, last: int, heights: bool) -> Run:
+    start, end = refined_edge_m(evidence, first, +1), refined_edge_m(evidence, last, -1)
+    parts = [(evidence.along_m(first + a), evidence.along_m(first + b)) for a, b in spans(verdict.wall[first:last])]
+    seen = tuple((start if k == 0 else a, end if k == len(parts) - 1 else b) for k, (a, b) in enumerate(parts))
+    open_ends = (rays_beyond(evidence, first, +1), rays_beyond(evidence, last, -1))
+    hit_rows = np.flatnonzero(evidence.hits[first:last].sum(axis=0) > 0)
+    low = evidence.up_start_m + hit_rows[0] * evidence.up_step_m if heights and len(hit_rows) else None
+    high = evidence.up_start_m + (hit_rows[-1] + 1) * evidence.up_step_m if heights and len(hit_rows) else None
+    return Run(evidence.plane, start, end, seen, low, high, float(evidence.hits[first:last].sum()), *open_ends)

@@ -1,0 +1,76 @@
+"""The plan in named steps."""
+
+import numpy as np
+
+from floorplan.config import PlanConfig
+from floorplan.model.checks import Array
+from floorplan.model.graph import LayoutSolution
+from floorplan.model.plan import Plan, PlanPlane
+from floorplan.model.scan import IngestedScan, Trajectory
+from floorplan.model.segment import SegmentedScan, Tracks
+from floorplan.plan.bodies import bodies_of, junction_blocks, paired_faces, solid
+from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
+from floorplan.plan.dimensions import height_dimensions, numbered, wall_to_wall
+from floorplan.plan.faces import Run, find_runs
+from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
+from floorplan.plan.surface_evidence import surface_evidence
+from floorplan.plan.walls import draw_walls
+
+DRAWN_POINTS = 20_000  # evidence points kept for the drawing: enough to see, few enough for any CAD program
+
+
+def make_plan(
+    scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks, solution: LayoutSolution, trajectory: Trajectory, config: PlanConfig
+) -> Plan:
+    """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
+    world = in_plan_frame(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)))
+    planes = plan_planes(world, solution)
+    ids = tuple(plane.id for plane in planes)
+    evidence = surface_evidence(world, config)
+    found = find_runs(evidence, config, world.heights)
+    faces = joined_corners(tuple(_face_run(run, world) for run in found.runs), config.max_bridged_gap_m)
+    pairs = paired_faces(faces, config)
+    faces = agreed_jambs(faces, pairs)
+    bodies = bodies_of(faces, pairs)
+    drawing = draw_walls(faces, bodies, solid(bodies, junction_blocks(bodies)), solution.plane_covariance_m2, ids)
+    dimensions = wall_to_wall(faces, (), solution.plane_covariance_m2, ids)
+    heights = height_dimensions(planes, (), solution.plane_covariance_m2)
+    return Plan(
+        planes=planes,
+        faces=drawing.faces,
+        walls=drawing.walls,
+        trajectory=world.trajectory,
+        rotation_quarters=world.rotation_quarters,
+        shift_m=np.array(world.shift_m),
+        dimensions=numbered(dimensions + heights),
+        plane_covariance_m2=solution.plane_covariance_m2,
+        evidence_xy_m=_drawn_points(world, config),
+        rejections=found.rejections,
+        floor_seen=world.floor_seen,
+    )
+
+
+def plan_planes(world: PlanWorld, solution: LayoutSolution) -> tuple[PlanPlane, ...]:
+    """All planes of the solution in the plan frame, whether they are wall or not; unknown extents become their offset."""
+    planes = []
+    for k in range(len(world.plane_axis)):
+        extent = np.nan_to_num(world.plane_extent_m[k], nan=0.0)
+        x, y, z = ((float(low), float(high)) for low, high in extent)
+        tracks = tuple(int(t) for t in np.flatnonzero(solution.plane_of_track == k))
+        offset, sigma = float(world.plane_offset_m[k]), float(world.plane_sigma_m[k])
+        facing, frames = int(world.plane_facing[k]), int(world.plane_frames[k])
+        planes.append(PlanPlane(f"P{k + 1}", int(world.plane_axis[k]), facing, offset, sigma, (x, y, z), tracks, frames))
+    return tuple(planes)
+
+
+def _face_run(run: Run, world: PlanWorld) -> FaceRun:
+    k = run.plane
+    return FaceRun(run, int(world.plane_axis[k]), int(world.plane_facing[k]), float(world.plane_offset_m[k]), float(world.plane_sigma_m[k]))
+
+
+def _drawn_points(world: PlanWorld, config: PlanConfig) -> Array:
+    """An even selection of the evidence points at wall height (V, 2)."""
+    z = world.point_m[:, 2]
+    chosen = np.flatnonzero((z > config.wall_band_low_m) & (z < config.wall_band_high_m)) if world.heights else np.arange(len(z))
+    step = max(1, len(chosen) // DRAWN_POINTS)
+    return np.round(world.point_m[chosen[::step], :2], 3)

@@ -1,0 +1,100 @@
+"""What the rays say about every upright plane: per cell of it, hits, rays that passed through, rays that ended before it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.config import PlanConfig
+from floorplan.model.checks import Array
+from floorplan.model.segment import AXIS_X, AXIS_Y
+from floorplan.plan.plan_frame import PlanWorld
+
+FINE_CELLS = 10  # fine counts per cell along: edges of walls are placed to 5 mm
+MARGIN_ALONG_M = 1.8  # beyond a plane's extent: wide enough for a door beside its end
+LOWEST_M, HIGHEST_M = -0.3, 6.0  # heights above the floor that are looked at
+NOISE_SIGMAS = 2.5  # readings farther off a surface than this are not on it
+MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
+
+
+@dataclass(frozen=True)
+class PlaneEvidence:
+    """Ray counts on one upright plane, weighted in pixels; U columns along it, Z rows up.
+
+    Column c begins at `along_start_m + c * along_step_m`, row r at `up_start_m + r * up_step_m` above the floor.
+    `hits`, `passes`, `blocked (U, Z)`; `fine_hits`, `fine_passes (U * FINE_CELLS,)` within the wall band; `frames (U,)`.
+    """
+
+    plane: int
+    along_start_m: float
+    along_step_m: float
+    up_start_m: float
+    up_step_m: float
+    hits: Array
+    passes: Array
+    blocked: Array
+    fine_hits: Array
+    fine_passes: Array
+    frames: Array
+
+    def row(self, height_m: float) -> int:
+        """Row of a height, clipped to the grid."""
+        return int(np.clip(np.floor((height_m - self.up_start_m) / self.up_step_m + 1e-6), 0, self.hits.shape[1]))
+
+    def along_m(self, column: int) -> float:
+        """Coordinate at which a column begins."""
+        return self.along_start_m + column * self.along_step_m
+
+
+def tolerance_m(world: PlanWorld) -> Array:
+    """How far (P,) from a surface each reading may lie and still be of it."""
+    return np.maximum(MIN_TOLERANCE_M, NOISE_SIGMAS * world.point_sigma_m)
+
+
+def surface_evidence(world: PlanWorld, config: PlanConfig) -> tuple[PlaneEvidence, ...]:
+    """Counts for every plane along x or y."""
+    upright = np.flatnonzero((world.plane_axis == AXIS_X) | (world.plane_axis == AXIS_Y))
+    tolerance = tolerance_m(world)
+    return tuple(_count(world, int(plane), tolerance, config) for plane in upright)
+
+
+def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -> PlaneEvidence:
+    from floorplan.plan.ray_kernels import count_rays
+
+    axis = int(world.plane_axis[plane])
+    empty = _empty_evidence(world, plane, config)
+    count_rays(
+        world.trajectory.position_m,
+        world.point_m,
+        world.point_frame,
+        world.point_plane,
+        world.point_weight,
+        tolerance,
+        plane,
+        axis,
+        int(world.plane_facing[plane]),
+        float(world.plane_offset_m[plane]),
+        np.array([empty.along_start_m, empty.up_start_m]),
+        np.array([empty.along_step_m, empty.up_step_m]),
+        np.array([config.wall_band_low_m, config.wall_band_high_m] if world.heights else [-np.inf, np.inf]),
+        FINE_CELLS,
+        empty.hits,
+        empty.passes,
+        empty.blocked,
+        empty.fine_hits,
+        empty.fine_passes,
+        empty.frames,
+    )
+    return empty
+
+
+def _empty_evidence(world: PlanWorld, plane: int, config: PlanConfig) -> PlaneEvidence:
+    low, high = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])]
+    step = config.cell_along_m
+    start = np.floor((low - MARGIN_ALONG_M) / step) * step
+    columns = int(np.ceil((high + MARGIN_ALONG_M - start) / step))
+    up_start, up_step, rows = LOWEST_M, config.cell_up_m, round((HIGHEST_M - LOWEST_M) / config.cell_up_m)
+    if not world.heights:  # one row that holds everything: a level sweep knows no heights
+        up_start, up_step, rows = -1e6, 2e6, 1
+    counts = [np.zeros((columns, rows)) for _ in range(3)]
+    fine = [np.zeros(columns * FINE_CELLS) for _ in range(2)]
+    return PlaneEvidence(plane, float(start), step, up_start, up_step, *counts, *fine, np.zeros(columns, dtype=np.int64))
