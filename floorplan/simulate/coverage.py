@@ -7,7 +7,7 @@ from floorplan.simulate.raycast import NO_SURFACE
 from floorplan.simulate.surfaces import Surface
 
 CELL_M = 0.05
-ENOUGH_HITS = 5  # in one cell, over the whole scan
+ENOUGH_HITS = 20  # looked at (every fourth pixel is), in one cell over the whole scan: about 80 pixels
 PIXEL_STRIDE = 2
 
 
@@ -28,10 +28,9 @@ class Coverage:
     def add(self, surface: Array, depth_m: Array, rays: Array, position_m: Array, world_from_camera: Array) -> None:
         """Count one shot: `surface (H, W)`, `depth_m (H, W)` true depths, `rays (H * W, 3)` in camera axes."""
         step = slice(None, None, PIXEL_STRIDE)
-        picked = surface[step, step].ravel()
-        at = rays.reshape(*surface.shape, 3)[step, step].reshape(-1, 3) * depth_m[step, step].reshape(-1, 1)
-        found = picked != NO_SURFACE
-        picked, at = picked[found], at[found]
+        found = surface[step, step] != NO_SURFACE
+        picked = surface[step, step][found]
+        at = rays.reshape(*surface.shape, 3)[step, step][found] * depth_m[step, step][found][:, None]
         world = at @ np.asarray(world_from_camera).T + position_m
         value = np.where(self._along[picked] == 0, world[:, 0], world[:, 1])
         cell = np.clip(((value - self._low[picked]) / CELL_M).astype(int), 0, self._cells[picked] - 1)

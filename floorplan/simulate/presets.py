@@ -41,7 +41,7 @@ class Preset:
     drift_m: float
     rate_hz: float
     sensor: SensorSpec = MONSTAR
-    corridor_share: float = 0.62  # of the path; the rest goes into rooms
+    corridor_share: float = 0.55  # of the path; the rest goes into rooms
     corridor_width_m: tuple[float, float] = (1.7, 2.5)
     room_width_m: tuple[float, float] = (2.7, 6.5)
     room_depth_m: tuple[float, float] = (3.2, 5.6)
@@ -56,13 +56,13 @@ PRESETS = {
     for preset in (
         Preset("area1", 2, 2, 53.0, 0.67, 10.0),
         Preset("area2", 3, 2, 200.0, 2.36, 10.0),
-        Preset("area3", 3, 3, 249.0, 2.24, 10.0, corridor_share=0.75),
+        Preset("area3", 3, 3, 249.0, 2.24, 10.0, corridor_share=0.65),
         Preset("area4", 2, 2, 69.0, 0.46, 5.0),
         Preset("area5", 2, 2, 113.0, 1.32, 5.0),
         # Recorded at 30 Hz; written thinned to every fourth frame.
         Preset("area6", 2, 2, 67.0, 0.73, 7.5, ASTRA, 0.7, (2.2, 2.8), glass=True),
-        Preset("office", 0, 1, 60.0, 0.72, 10.0, corridor_share=0.4),
-        Preset("flat", 0, 1, 24.0, 0.29, 10.0, corridor_share=0.3, corridor_width_m=(1.2, 1.6), room_depth_m=(3.0, 4.2)),
+        Preset("office", 0, 1, 60.0, 0.72, 10.0, corridor_share=0.36),
+        Preset("flat", 0, 1, 30.0, 0.36, 10.0, MONSTAR, 0.3, (1.3, 1.7), (2.4, 3.6), (2.9, 4.2)),
     )
 }
 

@@ -13,8 +13,10 @@ from floorplan.simulate.layout import CorridorGrid
 
 BODY_RADIUS_M = 0.25
 ROOM_MARGIN_M = 0.95  # one walks about this far from the walls of a room
-MIN_LOOP_SIDE_M = 0.7  # a smaller inset rectangle is no loop: one steps in and turns round
-LINE_END_M = 0.9  # how far before the end of a dead end one turns
+LOOP_AREA_M2 = 20.0  # one walks round a larger room; into a smaller one one steps and turns on the spot
+MIN_LOOP_SIDE_M = 0.7
+OVER_LENGTH_M = 2.0  # a route may be this much longer than asked for
+LINE_END_M = 0.6  # how far before the end of a dead end one turns
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def plan_route(building: Building, grid: CorridorGrid, path_m: float, rng: np.ra
     order = rng.permutation(len(doors))
     for index in order:
         longer = _with_visits(building, tour, [*chosen, doors[index]])
-        if longer.length_m < path_m + 2.0:
+        if longer.length_m < path_m + OVER_LENGTH_M:
             chosen.append(doors[index])
             route = longer
     return route
@@ -120,8 +122,8 @@ def _visit(building: Building, door: Opening, outside: tuple[float, float]) -> l
     entry = (inside[0], inside[1])
     x0, y0, x1, y1 = room.outline.bounds
     sides = (x1 - x0 - 2 * ROOM_MARGIN_M, y1 - y0 - 2 * ROOM_MARGIN_M)
-    if min(sides) < MIN_LOOP_SIDE_M:
-        return [Stop(entry), Stop(_towards(entry, ((x0 + x1) / 2, (y0 + y1) / 2), 0.8), 2 * np.pi), Stop(entry)]
+    if min(sides) < MIN_LOOP_SIDE_M or room.outline.area < LOOP_AREA_M2:
+        return [Stop(entry), Stop(_towards(entry, ((x0 + x1) / 2, (y0 + y1) / 2), 0.9), 2 * np.pi), Stop(entry)]
     margin = ROOM_MARGIN_M
     corners = [(x0 + margin, y0 + margin), (x1 - margin, y0 + margin), (x1 - margin, y1 - margin), (x0 + margin, y1 - margin)]
     first = int(np.argmin([np.hypot(c[0] - entry[0], c[1] - entry[1]) for c in corners]))

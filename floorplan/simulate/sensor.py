@@ -66,6 +66,7 @@ class DepthCamera:
     def __init__(self, spec: SensorSpec, pinhole: Pinhole, caster: RayCaster, seed: int, *, biased: bool = False) -> None:
         self.spec, self.pinhole, self.caster, self.seed = spec, pinhole, caster, seed
         self._rays = pinhole.rays
+        self._ray_length = np.linalg.norm(self._rays, axis=1)
         self._normals = np.stack([_normal(surface) for surface in caster.surfaces]).astype(np.float32)
         self._dark = np.array([surface.dark for surface in caster.surfaces])
         self._bias = _fixed_bias(pinhole, seed) if biased else None
@@ -96,23 +97,23 @@ class DepthCamera:
         if pane is None or not np.any(pane.distance < solid.distance):
             return solid
         before = np.flatnonzero(pane.distance < solid.distance)
-        share = np.where(self._cosine(pane.surface[before], directions[before]) > GLASS_FACING_COS, GLASS_ECHO_FACING, GLASS_ECHO)
+        head_on = self._cosine(pane.surface[before], directions[before], self._ray_length[before]) > GLASS_FACING_COS
+        share = np.where(head_on, GLASS_ECHO_FACING, GLASS_ECHO)
         echo = before[rng.random(len(before)) < share]
         distance, surface = solid.distance.copy(), solid.surface.copy()
         distance[echo], surface[echo] = pane.distance[echo], pane.surface[echo]
         return Hits(distance, surface)
 
-    def _cosine(self, surface: Array, directions: Array) -> Array:
+    def _cosine(self, surface: Array, directions: Array, length: Array) -> Array:
         """Cosine between the ray and the surface normal, (R,)."""
-        length = np.linalg.norm(directions, axis=1)
-        return np.abs(np.einsum("ij,ij->i", self._normals[surface], directions)) / length
+        return np.asarray(np.abs(np.einsum("ij,ij->i", self._normals[surface], directions)) / length)
 
     def _measure(self, z: Array, surface: Array, directions: Array, rng: np.random.Generator) -> Array:
         """Depth (R,) with bias, noise and drop-outs; 0 where nothing comes back."""
         spec = self.spec
         z = np.where(np.isfinite(z), z, 0.0).astype(np.float32)
-        reach = z * np.linalg.norm(directions, axis=1)
-        facing = self._cosine(surface, directions)
+        reach = z * self._ray_length
+        facing = self._cosine(surface, directions, self._ray_length)
         low, high = GRAZING_COS
         chance = np.clip((facing - low) / (high - low), 0.0, 1.0)
         limit = np.where(self._dark[surface], DARK_RANGE_SHARE, 1.0) * spec.max_range_m
