@@ -45,7 +45,14 @@ class SegmentsConfig:
     """Labelling, components and plane fits, in `2-segments`."""
 
     method: Literal["normals", "vote"] = "normals"  # or "vote", the published k x k vote
-    pixel_stride: int = 2
+    pixel_stride: int = 2  # every second row and column: costs 1 % of the coverage, no accuracy; a laser keeps all its beams
+    window_m: float = 0.20  # neighbourhood of normals and vote: as wide as the narrowest wall piece worth drawing
+    normal_sigma_deg: float = 2.5  # far away, where noise would make normals worse than this, the neighbourhood grows
+    tolerance_deg: float = 5.0  # a surface further off every axis than this is outside the Manhattan model
+    min_extent_m: float = 0.25  # a segment's longer side at least (of lasers: min_sweep_extent_m)
+    min_sweep_extent_m: float = 0.35  # shorter runs of beams fit any axis
+    min_area_m2: float = 0.04  # smaller patches are furniture and clutter
+    evidence_points: int = 1300  # points kept per frame for openings and views, evenly over the image
 
 
 @dataclass(frozen=True)
@@ -53,6 +60,11 @@ class TrackingConfig:
     """Segments of consecutive frames to initial planes, in `3-least-squares`."""
 
     gate_m: float = 0.05  # 3-8 cm measured equally good; 15 cm loses precision
+    gap_m: float = 0.30  # along the plane: a new sighting touches the last one, or nearly
+    missed_frames: int = 3  # keyframes a plane may be out of sight
+    missed_s: float = 2.0  # ... or seconds, as long as hardly a step was walked: turning on the spot
+    missed_walk_m: float = 0.3
+    min_single_area_m2: float = 0.2  # a patch seen in one keyframe only must be this large to count
 
 
 @dataclass(frozen=True)

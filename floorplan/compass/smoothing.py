@@ -1,0 +1,86 @@
+"""A slowly wandering angle from noisy readings with gaps: robust fixed-interval smoothing, past and future."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from floorplan.model.checks import Array
+
+_HUBER = 2.5  # standard deviations beyond which a reading counts less
+_ROUNDS = 4
+_VAGUE_RAD2 = 1.0  # variance before the first reading
+_FEWEST_READINGS = 12  # fewer say nothing about their own noise
+_DEFAULT_WALK_RAD = math.radians(0.1)
+_READING_SCALE_RANGE = (0.2, 5.0)
+_MEAN_OF_MEDIAN_SQUARE = 2.198  # mean over median of a squared normal variable
+_MIN_STEP_SIGMA_RAD = math.radians(0.002)  # odometry is never perfect
+
+
+@dataclass(frozen=True)
+class SmoothedAngle:
+    """`angle_rad (K,)` and its standard deviation `sigma_rad (K,)`; `step_sigma_rad (K - 1,)` the process noise used."""
+
+    angle_rad: Array
+    sigma_rad: Array
+    step_sigma_rad: Array
+
+
+def smooth_angle(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> SmoothedAngle:
+    """Random-walk smoothing of `angle_rad (K,)` with `sigma_rad (K,)` (infinite where nothing was read).
+
+    `step_scale (K - 1,)` is how the walk's standard deviation varies from step to step. The size of the walk and of
+    the readings' own noise are learnt from the readings; readings far off are down-weighted.
+    """
+    reading_scale, walk_size = _noise_sizes(angle_rad, sigma_rad, step_scale)
+    step = np.maximum(walk_size * step_scale, _MIN_STEP_SIGMA_RAD)
+    sigma = sigma_rad * reading_scale
+    weight = np.ones(len(angle_rad))
+    for _ in range(_ROUNDS):
+        mean, variance = _smooth(angle_rad, sigma**2 / weight, step**2)
+        off = np.abs(angle_rad - mean) / np.where(np.isfinite(sigma), sigma, np.inf)
+        weight = np.where(off > _HUBER, _HUBER / np.maximum(off, 1e-12), 1.0)
+    return SmoothedAngle(mean, np.sqrt(variance), step)
+
+
+def _noise_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple[float, float]:
+    """Factor on the readings' sigma, and size of the walk, from how differences of readings grow with their lag.
+
+    The square of a difference is, on average, `factor^2 (sigma_1^2 + sigma_2^2) + size^2 walk`: noise does not grow
+    with the lag, drift does. Medians keep outliers out; non-negative least squares finds both.
+    """
+    read = np.flatnonzero(np.isfinite(sigma_rad))
+    if len(read) < _FEWEST_READINGS:
+        return 1.0, _DEFAULT_WALK_RAD
+    travelled = np.concatenate(([0.0], np.cumsum(step_scale**2)))
+    rows, squares = [], []
+    for lag in (1, 2, 3, 4, 6, 8, 12, 16):
+        first, second = read[:-lag], read[lag:]
+        if len(first) < _FEWEST_READINGS // 2:
+            break
+        rows.append((np.median(sigma_rad[first] ** 2 + sigma_rad[second] ** 2), np.median(travelled[second] - travelled[first])))
+        squares.append(_MEAN_OF_MEDIAN_SQUARE * np.median((angle_rad[second] - angle_rad[first]) ** 2))
+    relative = np.array(rows) / np.maximum(np.array(squares), 1e-14)[:, None]
+    factor, size = np.sqrt(nnls(relative, np.ones(len(rows)))[0])
+    return float(np.clip(factor, *_READING_SCALE_RANGE)), float(size)
+
+
+def _smooth(reading: Array, variance: Array, step_variance: Array) -> tuple[Array, Array]:
+    """Kalman filter and Rauch-Tung-Striebel smoother of a scalar random walk."""
+    count = len(reading)
+    mean, var = np.empty(count), np.empty(count)
+    known = np.isfinite(variance)
+    m, v = (float(reading[known][0]) if known.any() else 0.0), _VAGUE_RAD2
+    for k in range(count):
+        if k > 0:
+            v += step_variance[k - 1]
+        if known[k]:
+            gain = v / (v + variance[k])
+            m, v = m + gain * (reading[k] - m), (1 - gain) * v
+        mean[k], var[k] = m, v
+    for k in range(count - 2, -1, -1):
+        gain = var[k] / (var[k] + step_variance[k])
+        mean[k] += gain * (mean[k + 1] - mean[k])
+        var[k] += gain**2 * (var[k + 1] - var[k] - step_variance[k])
+    return mean, var

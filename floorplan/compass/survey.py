@@ -1,0 +1,130 @@
+"""The first look at a recording: sparse frames, coarse pixels, one yaw prior for every keyframe."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.compass.directions import BIN_RAD, QUARTER_RAD, Directions, quarter_histogram, refine_yaw, upright_directions
+from floorplan.compass.path import best_path, step_sigma_rad
+from floorplan.compass.prior import CompassPrior, heading_walk
+from floorplan.compass.smoothing import smooth_angle
+from floorplan.config import CompassConfig
+from floorplan.errors import InputError
+from floorplan.geometry import level_from_sensor, wrap_to
+from floorplan.grid.normals import pixel_weights, surface_normals
+from floorplan.model.checks import Array
+from floorplan.model.scan import IngestedScan, SensorKind
+from floorplan.readers.base import BadFrame, Source
+
+Progress = Callable[[int, int], None]
+
+_GRID_PX = 88  # columns kept of a camera's image: 1 degree each, enough for normals
+_FRAME_SPACING = 4  # every fourth keyframe of a camera
+_MAX_SPACING_M = 0.8  # ... but never further apart than this
+_WINDOW_M = 0.35
+_NORMAL_SIGMA_RAD = math.radians(2.0)
+_NOISE_QUANTILE = 0.3  # edges only ever raise a window's residual
+_NOISE_SCALE_RANGE = (0.5, 3.0)
+_REFINE_HALF_WIDTH_RAD = math.radians(4.0)
+
+
+@dataclass(frozen=True)
+class _Odometry:
+    """Levelled odometry at the keyframes: rotations (F, 3, 3), turn and distance of each step (F - 1,)."""
+
+    level_from_sensor: Array
+    turn_rad: Array
+    step_m: Array
+
+
+def survey(scan: IngestedScan, source: Source, config: CompassConfig, progress: Progress = lambda done, total: None) -> CompassPrior:
+    """The prior yaw of every keyframe. Raises InputError when gravity is unknown or no frame can be read."""
+    odometry = _levelled_odometry(scan)
+    if config.method == "entropy":
+        from floorplan.compass.entropy import entropy_survey
+
+        return entropy_survey(scan, source, odometry.level_from_sensor, odometry.turn_rad, odometry.step_m, progress)
+    sample = _sample(scan, odometry.step_m)
+    noise_scale, directions = _look(scan, source, sample, odometry, progress)
+    histograms = np.stack([quarter_histogram(d) for d in directions])
+    sample_turn = np.abs(np.add.reduceat(np.concatenate((np.abs(odometry.turn_rad), [0.0])), sample)[:-1])
+    peak = histograms.argmax(axis=1) * BIN_RAD
+    coarse = best_path(histograms, step_sigma_rad(peak, histograms.max(axis=1), sample_turn))
+    return _prior_from_path(coarse, directions, sample, odometry, noise_scale)
+
+
+def _levelled_odometry(scan: IngestedScan) -> _Odometry:
+    recording, rows = scan.recording, scan.keyframe
+    down, odom = recording.down_sensor[rows], recording.odom_from_sensor[rows]
+    if not np.isfinite(down).all():
+        raise InputError("The direction of gravity is unknown in some frames. Give it with the recording, or let ingest estimate it.")
+    up = np.median(-np.einsum("nij,nj->ni", odom, down), axis=0)
+    level = level_from_sensor(down, odom, up)
+    relative = level[1:] @ np.swapaxes(level[:-1], 1, 2)
+    turn = np.arctan2(relative[:, 1, 0], relative[:, 0, 0])
+    # The heading is carried by the levelled rotation; how far it TURNED is the sensor's own motion about the vertical.
+    return _Odometry(level, turn, np.linalg.norm(np.diff(recording.position_m[rows], axis=0), axis=1))
+
+
+def _sample(scan: IngestedScan, step_m: Array) -> Array:
+    """Indices into the keyframes that the survey reads: all sweeps of a laser, a quarter of a camera's frames."""
+    count = len(scan.keyframe)
+    if scan.recording.sensor.kind is not SensorKind.CAMERA:
+        return np.arange(count)
+    chosen, walked = [0], 0.0
+    for k in range(1, count):
+        walked += float(step_m[k - 1])
+        if k - chosen[-1] >= _FRAME_SPACING or walked >= _MAX_SPACING_M or k == count - 1:
+            chosen.append(k)
+            walked = 0.0
+    return np.array(chosen)
+
+
+def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry, progress: Progress) -> tuple[float, list[Directions]]:
+    """Noise scale of the sensor and the upright directions of each sampled frame (empty ones where a frame is bad)."""
+    sensor = scan.recording.sensor
+    stride = max(1, sensor.width // _GRID_PX) if sensor.height > 1 else 1
+    ratios, kept = [], []
+    for done, frame in enumerate(source.frames(scan.keyframe[sample], stride)):
+        if isinstance(frame, BadFrame):
+            kept.append(None)
+        else:
+            weight = pixel_weights(frame.points, frame.confidence)
+            normals = surface_normals(frame.points, weight, sensor, 1.0, _WINDOW_M, _NORMAL_SIGMA_RAD)
+            noise = sensor.noise.sigma_m(normals.range_m)
+            ratio = (normals.residual_m / noise)[weight > 0]
+            ratio = ratio[np.isfinite(ratio)]
+            if len(ratio):
+                ratios.append(np.quantile(ratio, _NOISE_QUANTILE))
+            kept.append((normals, noise))
+        progress(done + 1, len(sample))
+    if not ratios:
+        raise InputError("No frame with usable depth was found in the recording.")
+    scale = float(np.clip(np.median(ratios), *_NOISE_SCALE_RANGE))
+    nothing = Directions(np.zeros(0), np.zeros(0), 0.0)
+    return scale, [
+        nothing if k is None else upright_directions(k[0], odometry.level_from_sensor[sample[i]], k[1] * scale) for i, k in enumerate(kept)
+    ]
+
+
+def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array, odometry: _Odometry, noise_scale: float) -> CompassPrior:
+    """Refine the path frame by frame, smooth it, and carry it to the keyframes between."""
+    count = len(odometry.level_from_sensor)
+    reading, sigma = np.zeros(count), np.full(count, np.inf)
+    for k, near, found in zip(sample, coarse, directions, strict=True):
+        estimate = refine_yaw(found, near, _REFINE_HALF_WIDTH_RAD)
+        if estimate is not None:
+            reading[k] = near + wrap_to(estimate.yaw_rad - near, QUARTER_RAD)
+            sigma[k] = estimate.sigma_rad / max(estimate.share, 0.1)
+    smooth = smooth_angle(reading, sigma, heading_walk(odometry.turn_rad, odometry.step_m))
+    return CompassPrior(
+        odometry.level_from_sensor,
+        -smooth.angle_rad,
+        smooth.sigma_rad,
+        np.isfinite(sigma),
+        odometry.turn_rad,
+        odometry.step_m,
+        noise_scale,
+    )

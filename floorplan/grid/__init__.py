@@ -1,0 +1,1 @@
+"""What can be computed on an organised grid of points, whatever the sensor: normals, connected components."""

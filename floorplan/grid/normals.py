@@ -1,0 +1,158 @@
+"""Surface normals of an organised grid from local plane fits in inverse range.
+
+On a plane `n . p = d` a ray of unit direction `r` has the inverse range `1 / rho = (n / d) . r`: linear in `r`, whatever
+the sensor. So a window of pixels gives `g = n / d` from sums of `r r^T` and `r / rho`, which summed-area tables provide
+for any window at the cost of four look-ups; a sweep (1 x N) is the same fit without its vertical part.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.compiled import compiled
+from floorplan.model.checks import Array
+from floorplan.model.scan import Sensor
+
+_CHANNELS = 11  # weight, six of r r^T, three of r / rho, 1 / rho^2
+_MAX_HALF_WINDOW_PX = 12  # beyond this a window bridges corners
+_RIDGE = 1e-9  # of the trace: decides the direction a level sweep cannot see
+_MIN_FILL = 0.6  # share of a window that must have returned
+_MIN_COS_INCIDENCE = 0.06  # 86.5 degrees: beyond, one pixel's footprint is longer than the window
+_CONFIDENCE_WEIGHT = np.array([0.0, 0.3, 1.0], dtype=np.float32)  # phones: none / medium / high
+
+
+@dataclass(frozen=True)
+class SurfaceNormals:
+    """Per pixel: `normal (H, W, 3) float32` towards the sensor, NaN where there is none; `range_m (H, W)` of the fitted
+    surface, `sigma_rad (H, W)` of the normal, `residual_m (H, W)` rms of the window along the rays; `weight (H, W)` of the pixel."""
+
+    normal: Array
+    range_m: Array
+    sigma_rad: Array
+    residual_m: Array
+    weight: Array
+
+
+def pixel_weights(points: Array, confidence: Array | None) -> Array:
+    """Weight (H, W) float32 of each pixel: 0 where nothing came back or the sensor itself does not trust it."""
+    seen = np.isfinite(points[..., 2])
+    if confidence is None:
+        return seen.astype(np.float32)
+    return np.asarray(np.where(seen, _CONFIDENCE_WEIGHT[np.minimum(confidence, 2)], np.float32(0)))
+
+
+def surface_normals(
+    points: Array, weight: Array, sensor: Sensor, noise_scale: float, window_m: float, normal_sigma_rad: float
+) -> SurfaceNormals:
+    """Normals of `points (H, W, 3)`: windows of `window_m`, larger where noise would make the normal worse than `normal_sigma_rad`."""
+    ray_step = sensor.ray_step_rad * (sensor.width / points.shape[1])
+    noise = np.array((sensor.noise.constant_m, sensor.noise.linear, sensor.noise.quadratic_per_m)) * noise_scale
+    fields = _fit_windows(np.ascontiguousarray(points), weight, noise, ray_step, window_m, normal_sigma_rad)
+    return SurfaceNormals(*fields, weight)
+
+
+@compiled
+def _ray_tables(points: Array, weight: Array) -> Array:
+    """Summed-area tables (H + 1, W + 1, channels) of the fit's sums."""
+    height, width, _ = points.shape
+    table = np.zeros((height + 1, width + 1, _CHANNELS))
+    for i in range(height):
+        row = np.zeros(_CHANNELS)
+        for j in range(width):
+            m = weight[i, j]
+            if m > 0:
+                x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
+                w = 1.0 / math.sqrt(x * x + y * y + z * z)
+                a, b, c = x * w, y * w, z * w
+                row[0] += m
+                row[1] += m * a * a
+                row[2] += m * a * b
+                row[3] += m * a * c
+                row[4] += m * b * b
+                row[5] += m * b * c
+                row[6] += m * c * c
+                row[7] += m * a * w
+                row[8] += m * b * w
+                row[9] += m * c * w
+                row[10] += m * w * w
+            for k in range(_CHANNELS):
+                table[i + 1, j + 1, k] = table[i, j + 1, k] + row[k]
+    return table
+
+
+@compiled
+def _half_window_px(range_m: float, sigma_m: float, ray_step: float, window_m: float, normal_sigma: float, flat: bool) -> int:
+    """Half window: `window_m` across, and more until the fitted normal is as sure as asked."""
+    half = max(int(0.5 * window_m / (range_m * ray_step) + 0.5), 2 if flat else 1)
+    while half < _MAX_HALF_WINDOW_PX:
+        count = (2 * half + 1) if flat else (2 * half + 1) ** 2
+        spread_m = range_m * ray_step * half / math.sqrt(3.0)
+        if sigma_m <= normal_sigma * spread_m * math.sqrt(count):
+            break
+        half += 1
+    return min(half, _MAX_HALF_WINDOW_PX)
+
+
+@compiled
+def _solve_plane(s: Array, g: Array) -> bool:
+    """Solve the 3 x 3 normal equations in `s` into `g` (Cholesky); False when they are singular."""
+    ridge = _RIDGE * s[0]
+    l00 = math.sqrt(s[1] + ridge)
+    l10, l20 = s[2] / l00, s[3] / l00
+    d11 = s[4] + ridge - l10 * l10
+    if d11 <= 0:
+        return False
+    l11 = math.sqrt(d11)
+    l21 = (s[5] - l20 * l10) / l11
+    d22 = s[6] + ridge - l20 * l20 - l21 * l21
+    if d22 <= 0:
+        return False
+    l22 = math.sqrt(d22)
+    y0 = s[7] / l00
+    y1 = (s[8] - l10 * y0) / l11
+    y2 = (s[9] - l20 * y0 - l21 * y1) / l22
+    g[2] = y2 / l22
+    g[1] = (y1 - l21 * g[2]) / l11
+    g[0] = (y0 - l10 * g[1] - l20 * g[2]) / l00
+    return True
+
+
+@compiled
+def _fit_windows(
+    points: Array, weight: Array, noise: Array, ray_step: float, window_m: float, normal_sigma: float
+) -> tuple[Array, Array, Array, Array]:
+    height, width, _ = points.shape
+    table = _ray_tables(points, weight)
+    normal = np.full((height, width, 3), np.nan, np.float32)
+    fitted = np.full((height, width), np.nan, np.float32)
+    sigma = np.full((height, width), np.nan, np.float32)
+    residual = np.full((height, width), np.nan, np.float32)
+    s, g = np.zeros(_CHANNELS), np.zeros(3)
+    flat = height == 1
+    for i in range(height):
+        for j in range(width):
+            if weight[i, j] <= 0:
+                continue
+            x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
+            rho = math.sqrt(x * x + y * y + z * z)
+            sigma_m = noise[0] + noise[1] * rho + noise[2] * rho * rho
+            half = _half_window_px(rho, sigma_m, ray_step, window_m, normal_sigma, flat)
+            top, bottom = max(i - half, 0), min(i + half + 1, height)
+            left, right = max(j - half, 0), min(j + half + 1, width)
+            for k in range(_CHANNELS):
+                s[k] = table[bottom, right, k] - table[top, right, k] - table[bottom, left, k] + table[top, left, k]
+            if s[0] < _MIN_FILL * weight[i, j] * (bottom - top) * (right - left) or not _solve_plane(s, g):
+                continue
+            size = math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])
+            along = (g[0] * x + g[1] * y + g[2] * z) / rho
+            if along <= _MIN_COS_INCIDENCE * size:
+                continue
+            square = s[10] - g[0] * s[7] - g[1] * s[8] - g[2] * s[9]
+            fitted[i, j] = 1.0 / along
+            residual[i, j] = math.sqrt(max(square, 0.0) / s[0]) * rho * rho
+            spread_m = rho * ray_step * math.sqrt((half * half + half) / 3.0)
+            sigma[i, j] = sigma_m / (spread_m * math.sqrt(s[0]))
+            for k in range(3):
+                normal[i, j, k] = -g[k] / size
+    return normal, fitted, sigma, residual

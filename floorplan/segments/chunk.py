@@ -1,0 +1,89 @@
+"""A chunk of keyframes to layout segments; chunks know nothing of each other."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from floorplan.compass.prior import CompassPrior
+from floorplan.config import CompassConfig, SegmentsConfig
+from floorplan.geometry import rotation_about_z
+from floorplan.model.checks import Array
+from floorplan.model.scan import Frame, IngestedScan, Problem, Sensor
+from floorplan.model.segment import NO_SEGMENT, EvidencePoints, FreePatches, Segments
+from floorplan.readers.base import BadFrame
+from floorplan.segments.frame import segment_frame
+from floorplan.segments.values import SegmentedChunk, SegmentedFrame
+
+
+def grid_stride(sensor: Sensor, config: SegmentsConfig) -> int:
+    """The stride to read frames with: a sweep keeps all its beams."""
+    return config.pixel_stride if sensor.height > 1 else 1
+
+
+def segment_chunk(
+    scan: IngestedScan, prior: CompassPrior, frames: Iterable[Frame | BadFrame], compass: CompassConfig, config: SegmentsConfig
+) -> SegmentedChunk:
+    """Layout segments of some keyframes, read with `grid_stride`. Safe to call from several threads at once."""
+    done: list[SegmentedFrame] = []
+    index: list[int] = []
+    problems: list[Problem] = []
+    for frame in frames:
+        if isinstance(frame, BadFrame):
+            problems.append(frame.problem)
+            continue
+        k = int(np.searchsorted(scan.keyframe, frame.index))
+        done.append(segment_frame(frame, k, prior, scan.recording.sensor, config))
+        index.append(k)
+    return _joined(done, np.array(index, dtype=np.int64), tuple(problems))
+
+
+def _joined(frames: Sequence[SegmentedFrame], index: Array, problems: tuple[Problem, ...]) -> SegmentedChunk:
+    return SegmentedChunk(
+        index,
+        np.array([f.rotation.world_from_sensor for f in frames]).reshape(-1, 3, 3),
+        np.array([f.rotation.yaw_sigma_rad for f in frames]),
+        np.array([f.rotation.measured for f in frames], dtype=bool),
+        join_segments([f.segments for f in frames]),
+        join_patches([f.free_patches for f in frames]),
+        join_evidence([f.evidence for f in frames], [len(f.segments) for f in frames]),
+        problems,
+    )
+
+
+def join_segments(parts: Sequence[Segments]) -> Segments:
+    """All rows, one after the other."""
+    if not parts:
+        empty = np.zeros(0)
+        return Segments(empty, empty, empty, empty, empty, empty, empty, np.zeros((0, 3, 2)), np.zeros((0, 3)), np.zeros((0, 3, 3)))
+    return Segments(*(np.concatenate([getattr(p, name) for p in parts]) for name in Segments.__dataclass_fields__))
+
+
+def join_patches(parts: Sequence[FreePatches]) -> FreePatches:
+    """All rows, one after the other."""
+    if not parts:
+        empty, pair = np.zeros(0), np.zeros((0, 2))
+        return FreePatches(empty, empty, pair, pair, pair, empty, empty)
+    return FreePatches(*(np.concatenate([getattr(p, name) for p in parts]) for name in FreePatches.__dataclass_fields__))
+
+
+def join_evidence(parts: Sequence[EvidencePoints], segment_counts: Sequence[int]) -> EvidencePoints:
+    """All frames' points, one after the other; segment numbers move on by the segments before."""
+    if not parts:
+        return EvidencePoints(np.zeros(1), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+    starts, first, segment = [np.zeros(1, np.int64)], 0, []
+    before = np.concatenate(([0], np.cumsum(segment_counts)))
+    for part, moved in zip(parts, before[:-1], strict=True):
+        starts.append(part.start[1:] + first)
+        first += int(part.start[-1])
+        segment.append(np.where(part.segment == NO_SEGMENT, NO_SEGMENT, part.segment + moved))
+    return EvidencePoints(
+        np.concatenate(starts),
+        np.concatenate([p.point_sensor_m for p in parts]),
+        np.concatenate(segment),
+        np.concatenate([p.weight for p in parts]),
+    )
+
+
+def prior_rotation(prior: CompassPrior) -> Array:
+    """World-from-sensor rotations (F, 3, 3) the prior gives."""
+    return np.asarray(rotation_about_z(prior.yaw_rad) @ prior.level_from_sensor)

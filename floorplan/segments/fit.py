@@ -1,0 +1,129 @@
+"""The offset of a plane whose normal is known, from the pixels of one component.
+
+Default: weighted mode of the pixels' coordinates, then trimmed refinement. `ransac_offset` is the published way.
+"""
+
+import math
+
+import numpy as np
+
+from floorplan.compiled import compiled
+from floorplan.model.checks import Array
+
+BIN_M = 0.01  # of the mode's histogram: finer than any depth camera's noise
+INLIER_SIGMAS = 2.5
+FLOOR_M = 0.004  # plaster, quantisation: no surface is flatter to a depth camera
+LEAST_COS = 0.25  # grazing rays: pixel footprint and range noise act along the wall, not across; never trust it fully
+_REFINEMENTS = 4
+_RANSAC_TRIALS = 64
+BLOCK_PX = 8  # pixels closer than this share their error
+COLUMNS = 14  # of a fit: see `Column`
+
+
+class Column:
+    """Columns of a fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes), offset, variance, share."""
+
+    COUNT, WEIGHT, CENTROID, SCATTER, OFFSET, VARIANCE, SHARE = 0, 1, 2, 5, 11, 12, 13
+
+
+@compiled
+def mode_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
+    """The densest coordinate: weighted histogram of 1 cm, window of about one standard deviation."""
+    low, high = coordinate.min(), coordinate.max()
+    bins = int((high - low) / BIN_M) + 1
+    histogram = np.zeros(bins)
+    for k in range(len(coordinate)):
+        histogram[int((coordinate[k] - low) / BIN_M)] += weight[k]
+    half = int(np.median(sigma) / BIN_M + 0.5)
+    best, best_sum = 0, -1.0
+    for b in range(bins):
+        total = histogram[max(b - half, 0) : b + half + 1].sum()
+        if total > best_sum:
+            best, best_sum = b, total
+    return float(low + (best + 0.5) * BIN_M)
+
+
+@compiled
+def ransac_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
+    """Of a fixed number of pixels, the one on whose plane most others lie (a plane of known normal needs one pixel)."""
+    count = len(coordinate)
+    best, most = coordinate[0], -1.0
+    state = np.uint64(count + 1)
+    for _ in range(min(_RANSAC_TRIALS, count)):
+        state = (state * np.uint64(6364136223846793005)) + np.uint64(1442695040888963407)
+        candidate = coordinate[int((state >> np.uint64(33)) % np.uint64(count))]
+        inliers = 0.0
+        for k in range(count):
+            if abs(coordinate[k] - candidate) < INLIER_SIGMAS * sigma[k]:
+                inliers += weight[k]
+        if inliers > most:
+            best, most = candidate, inliers
+    return float(best)
+
+
+@compiled
+def fit_components(
+    points: Array, weight: Array, noise_m: Array, axis_of: Array, start: Array, order: Array, rotation: Array, ransac: bool
+) -> Array:
+    """One row of `Column` per component; the offset is along the component's axis, relative to the sensor."""
+    fits = np.zeros((len(axis_of), COLUMNS))
+    flat_points, flat_weight, flat_noise = points.reshape(-1, 3), weight.ravel(), noise_m.ravel()
+    width = points.shape[1]
+    for c in range(len(axis_of)):
+        pixels = order[start[c] : start[c + 1]]
+        axis = rotation[axis_of[c]]
+        count = len(pixels)
+        coordinate, w, sigma = np.empty(count), np.empty(count), np.empty(count)
+        for k in range(count):
+            p = flat_points[pixels[k]]
+            coordinate[k] = axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]
+            rho = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+            across = flat_noise[pixels[k]] * max(abs(coordinate[k]) / rho, LEAST_COS)
+            sigma[k] = math.sqrt(across * across + FLOOR_M * FLOOR_M)
+            w[k] = flat_weight[pixels[k]] / (sigma[k] * sigma[k])
+        offset = ransac_offset(coordinate, w, sigma) if ransac else mode_offset(coordinate, w, sigma)
+        for _ in range(_REFINEMENTS):
+            total, mean = 0.0, 0.0
+            for k in range(count):
+                if abs(coordinate[k] - offset) < INLIER_SIGMAS * sigma[k]:
+                    total += w[k]
+                    mean += w[k] * coordinate[k]
+            if total > 0:
+                offset = mean / total
+        _moments(flat_points, pixels, coordinate, w, sigma, offset, width, fits[c])
+    return fits
+
+
+@compiled
+def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, offset: float, width: int, row: Array) -> None:
+    """Centroid, scatter and the cluster-robust variance of the mean: blocks of pixels share their error."""
+    mean, square = np.zeros(3), np.zeros(6)
+    total, inliers = 0.0, 0
+    block_columns = width // BLOCK_PX + 1
+    blocks = np.zeros((pixels[-1] // width // BLOCK_PX + 1) * block_columns)
+    for k in range(len(pixels)):
+        if abs(coordinate[k] - offset) >= INLIER_SIGMAS * sigma[k]:
+            continue
+        p = points[pixels[k]]
+        total += w[k]
+        inliers += 1
+        for a in range(3):
+            mean[a] += w[k] * p[a]
+        square[0] += w[k] * p[0] * p[0]
+        square[1] += w[k] * p[0] * p[1]
+        square[2] += w[k] * p[0] * p[2]
+        square[3] += w[k] * p[1] * p[1]
+        square[4] += w[k] * p[1] * p[2]
+        square[5] += w[k] * p[2] * p[2]
+        blocks[(pixels[k] // width // BLOCK_PX) * block_columns + (pixels[k] % width) // BLOCK_PX] += w[k] * (coordinate[k] - offset)
+    if total <= 0:
+        return
+    row[0], row[1] = inliers, total
+    mean /= total
+    square /= total
+    row[2:5] = mean
+    row[5], row[6], row[7] = square[0] - mean[0] * mean[0], square[1] - mean[0] * mean[1], square[2] - mean[0] * mean[2]
+    row[8], row[9], row[10] = square[3] - mean[1] * mean[1], square[4] - mean[1] * mean[2], square[5] - mean[2] * mean[2]
+    row[11] = offset
+    row[12] = (blocks * blocks).sum() / (total * total)
+    row[13] = inliers / len(pixels)

@@ -1,0 +1,179 @@
+"""One frame to layout segments: the steps of the method's first stage, in order."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.compass.directions import QUARTER_RAD, refine_yaw, upright_directions
+from floorplan.compass.prior import CompassPrior
+from floorplan.config import SegmentsConfig
+from floorplan.geometry import rotation_about_z, wrap_to
+from floorplan.grid.components import Components, connected_components
+from floorplan.grid.normals import SurfaceNormals, pixel_weights, surface_normals
+from floorplan.model.checks import Array
+from floorplan.model.scan import Frame, Sensor, SensorKind
+from floorplan.model.segment import Segments
+from floorplan.segments.evidence import thin
+from floorplan.segments.fit import Column, fit_components
+from floorplan.segments.free_patches import off_axis_patches
+from floorplan.segments.labels import label_by_normals
+from floorplan.segments.support import extents_and_area, grow
+from floorplan.segments.values import FrameRotation, SegmentedFrame
+from floorplan.segments.vote import label_by_vote
+
+_YAW_HALF_WIDTH_RAD = math.radians(3.0)
+_WEAK_SHARE = 0.15  # of the upright surface: fewer agree by chance
+_LEAST_COMPONENT_PX = 40
+_LEAST_SWEEP_BEAMS = 5
+_GATE_M, _GATE_SIGMAS = 0.015, 0.5  # step between neighbouring pixels of the FITTED surface; its noise is a fraction of a pixel's
+_VOTE_GATE_SIGMAS = 3.0  # ... of raw pixels
+_MAX_TILT = math.tan(math.radians(4.0))  # a segment further off its axis belongs to another surface
+_TILT_SIGMAS = 2.0
+_LEAST_INLIER_SHARE = 0.5
+_GROWTH_ROUNDS = 6  # pixels: the half window a normal cannot reach
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a frame is looked at with: sensor, noise of each pixel (H, W), angle between pixels, pixels of the full image per pixel."""
+
+    sensor: Sensor
+    noise_m: Array
+    ray_step_rad: float
+    pixels_per_point: float
+
+    @property
+    def camera(self) -> bool:
+        return self.sensor.kind is SensorKind.CAMERA
+
+    @property
+    def sweep(self) -> bool:
+        return self.sensor.height == 1
+
+
+def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor, config: SegmentsConfig) -> SegmentedFrame:
+    """Layout segments of keyframe `index`, seen in `frame`."""
+    points = np.ascontiguousarray(frame.points)
+    look = _look(points, sensor, prior.noise_scale)
+    weight = pixel_weights(points, frame.confidence)
+    normals = surface_normals(points, weight, sensor, prior.noise_scale, config.window_m, math.radians(config.normal_sigma_deg))
+    rotation = _frame_rotation(normals, look, prior, index)
+    components, labels = _clusters(points, weight, normals, look, rotation.world_from_sensor, config)
+    fits, kept = _planes(points, weight, components, look, rotation.world_from_sensor, config)
+    axis, index_of_pixel = components.label[kept] // 2, _renumbered(components.index, kept, len(components.label))
+    r = rotation.world_from_sensor
+    grown = grow(points, normals.normal, weight, look.noise_m, r, index_of_pixel, axis, fits[:, Column.OFFSET], _GROWTH_ROUNDS)
+    extent, area = extents_and_area(points, r, grown, len(axis), look.ray_step_rad, look.camera)
+    segments = _segments(index, components.label[kept], fits, extent, area, look)
+    keep = _large_enough(segments, look, config)
+    grown = _renumbered(grown, keep, len(segments))
+    patches = off_axis_patches(components, points, look.noise_m, r, index, look.pixels_per_point)
+    evidence = thin(points, weight, grown, index, config.evidence_points, look.pixels_per_point)
+    return SegmentedFrame(rotation, take(segments, keep), patches, evidence, labels, grown)
+
+
+def take(segments: Segments, rows: Array) -> Segments:
+    """The given rows of `segments`."""
+    return Segments(*(getattr(segments, name)[rows] for name in Segments.__dataclass_fields__))
+
+
+def _look(points: Array, sensor: Sensor, noise_scale: float) -> Look:
+    ratio = sensor.width / points.shape[1]
+    noise = sensor.noise.sigma_m(np.linalg.norm(points, axis=2)) * noise_scale
+    return Look(sensor, noise.astype(np.float32), sensor.ray_step_rad * ratio, ratio * (ratio if sensor.height > 1 else 1.0))
+
+
+def _frame_rotation(normals: SurfaceNormals, look: Look, prior: CompassPrior, index: int) -> FrameRotation:
+    """Prior yaw, drawn to what the frame's own surfaces say as far as each can be trusted."""
+    level, yaw, sigma = prior.level_from_sensor[index], float(prior.yaw_rad[index]), float(prior.yaw_sigma_rad[index])
+    if prior.final:
+        return FrameRotation(rotation_about_z(yaw) @ level, sigma, bool(prior.measured[index]))
+    estimate = refine_yaw(upright_directions(normals, level, look.noise_m), -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
+    if estimate is None or estimate.share < _WEAK_SHARE:
+        return FrameRotation(rotation_about_z(yaw) @ level, sigma, False)
+    off = float(wrap_to(-estimate.yaw_rad - yaw, QUARTER_RAD))
+    gain = sigma**2 / (sigma**2 + (estimate.sigma_rad / estimate.share) ** 2)
+    return FrameRotation(rotation_about_z(yaw + gain * off) @ level, sigma * math.sqrt(1 - gain), True)
+
+
+def _clusters(
+    points: Array, weight: Array, normals: SurfaceNormals, look: Look, rotation: Array, config: SegmentsConfig
+) -> tuple[Components, Array]:
+    if config.method == "vote":
+        labels = label_by_vote(points, weight, look.noise_m, rotation, look.ray_step_rad, config.window_m)
+        surface, gate = points, _GATE_M + _VOTE_GATE_SIGMAS * look.noise_m
+    else:
+        labels = label_by_normals(normals, look.noise_m, rotation, math.radians(config.tolerance_deg))
+        surface = points * (normals.range_m / np.linalg.norm(points, axis=2))[..., None]
+        gate = _GATE_M + _GATE_SIGMAS * look.noise_m
+    world = (surface @ rotation.T.astype(np.float32)).astype(np.float32)
+    least = _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
+    return connected_components(labels, world, gate.astype(np.float32), least), labels
+
+
+def _planes(
+    points: Array, weight: Array, components: Components, look: Look, rotation: Array, config: SegmentsConfig
+) -> tuple[Array, Array]:
+    """Fits of the axis-aligned components that are planes, and which components those are."""
+    axis = np.minimum(components.label // 2, 2).astype(np.int64)
+    fits = fit_components(points, weight, look.noise_m, axis, components.start, components.order, rotation, config.method == "vote")
+    plane = (components.label < 6) & (fits[:, Column.SHARE] >= _LEAST_INLIER_SHARE) & (fits[:, Column.COUNT] >= _LEAST_SWEEP_BEAMS)
+    facing = np.where(components.label % 2 == 1, 1, -1)
+    plane &= facing * fits[:, Column.OFFSET] < 0  # a surface is seen from the side it faces
+    plane &= _tilt_is_small(fits, axis, rotation)
+    return fits[plane], plane
+
+
+def _tilt_is_small(fits: Array, axis: Array, rotation: Array) -> Array:
+    """Whether each fit's own inclination to its axis is within tolerance and its own noise."""
+    small = np.ones(len(fits), dtype=bool)
+    for c, row in enumerate(fits):
+        scatter = rotation @ scatter_matrix(row) @ rotation.T
+        a = axis[c]
+        for b in range(3):
+            if b == a or scatter[b, b] <= 1e-6:
+                continue
+            slope = scatter[a, b] / scatter[b, b]
+            sigma = math.sqrt(max(row[Column.VARIANCE], 0.0) / scatter[b, b])
+            small[c] &= abs(slope) < _MAX_TILT + _TILT_SIGMAS * sigma
+    return small
+
+
+def scatter_matrix(row: Array) -> Array:
+    """The covariance (3, 3) held in one fit's row."""
+    xx, xy, xz, yy, yz, zz = row[Column.SCATTER : Column.SCATTER + 6]
+    return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+
+
+def _renumbered(index: Array, kept: Array, count: int) -> Array:
+    """`index` with the numbers of the kept components made consecutive and those of the others NO_COMPONENT (-1)."""
+    number = np.full(count + 1, -1, np.int32)
+    number[:-1][kept] = np.arange(np.count_nonzero(kept), dtype=np.int32)
+    return np.asarray(number[index])
+
+
+def _segments(index: int, label: Array, fits: Array, extent: Array, area: Array, look: Look) -> Segments:
+    count = len(fits)
+    axis = label // 2
+    return Segments(
+        np.full(count, index),
+        axis,
+        np.where(label % 2 == 1, 1, -1),
+        fits[:, Column.OFFSET],
+        np.sqrt(fits[:, Column.VARIANCE] + 1 / np.maximum(fits[:, Column.WEIGHT], 1e-12)),
+        np.round(fits[:, Column.COUNT] * look.pixels_per_point).astype(np.int32),
+        area[np.arange(count), axis],
+        extent,
+        fits[:, Column.CENTROID : Column.CENTROID + 3],
+        np.stack([scatter_matrix(row) for row in fits]) if count else np.zeros((0, 3, 3)),
+    )
+
+
+def _large_enough(segments: Segments, look: Look, config: SegmentsConfig) -> Array:
+    side = (segments.extent_m[:, :, 1] - segments.extent_m[:, :, 0]).copy()
+    side[np.arange(len(segments)), segments.axis] = 0.0
+    longest = side.max(axis=1, initial=0.0)
+    if look.sweep:
+        return np.asarray(longest >= config.min_sweep_extent_m)
+    return np.asarray((longest >= config.min_extent_m) & (segments.area_m2 >= config.min_area_m2))

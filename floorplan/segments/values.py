@@ -1,0 +1,58 @@
+"""What the segment stage passes around inside itself."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from floorplan.model.checks import Array, freeze
+from floorplan.model.scan import Problem
+from floorplan.model.segment import EvidencePoints, FreePatches, Segments
+
+
+@dataclass(frozen=True)
+class FrameRotation:
+    """The rotation under which one frame was labelled, how sure its yaw is, and whether walls were seen."""
+
+    world_from_sensor: Array
+    yaw_sigma_rad: float
+    measured: bool
+
+
+@dataclass(frozen=True)
+class SegmentedFrame:
+    """One frame's segments (S rows), off-axis patches, thinned points; `labels` and `segment_of_pixel (H, W)` for pictures."""
+
+    rotation: FrameRotation
+    segments: Segments
+    free_patches: FreePatches
+    evidence: EvidencePoints
+    labels: Array
+    segment_of_pixel: Array
+
+
+@dataclass(frozen=True)
+class SegmentedChunk:
+    """The segments of some keyframes: `frame (n,)` indices into the keyframes, increasing; `world_from_sensor (n, 3, 3)` the rotations
+    they were labelled under. `Segments.frame` and `FreePatches.frame` count keyframes of the whole scan; `evidence.start` and
+    `evidence.segment` count within the chunk. A frame that could not be read is in `problems` and has no segments.
+    """
+
+    frame: Array
+    world_from_sensor: Array
+    yaw_sigma_rad: Array
+    measured: Array
+    segments: Segments
+    free_patches: FreePatches
+    evidence: EvidencePoints
+    problems: tuple[Problem, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        freeze(
+            self,
+            {
+                "frame": (np.int64, ("n",)),
+                "world_from_sensor": (np.float64, ("n", 3, 3)),
+                "yaw_sigma_rad": (np.float64, ("n",)),
+                "measured": (np.bool_, ("n",)),
+            },
+        )

@@ -1,0 +1,129 @@
+"""Segments, rotations and tracks of a rendered box room against its truth."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from floorplan.compass import CompassPrior, survey
+from floorplan.config import CompassConfig, SegmentsConfig, TrackingConfig
+from floorplan.model.segment import SegmentedScan
+from floorplan.segments import grid_stride, join, segment_chunk
+from floorplan.tracking import dead_reckoning, track
+from tests.box_room import ROOM_M, BoxScan, camera_scan, laser_scan, yaw_error_rad
+
+
+def _segmented(box: BoxScan, config: SegmentsConfig, chunk: int = 10, backwards: bool = False) -> tuple[CompassPrior, SegmentedScan]:
+    scan, compass = box.scan, CompassConfig()
+    prior = survey(scan, box, compass)
+    stride = grid_stride(scan.recording.sensor, config)
+    starts = range(0, len(scan.keyframe), chunk)
+    chunks = [segment_chunk(scan, prior, box.frames(scan.keyframe[a : a + chunk], stride), compass, config) for a in starts]
+    return prior, join(scan, prior, chunks[::-1] if backwards else chunks)
+
+
+@cache
+def _camera(method: str = "normals") -> tuple[BoxScan, CompassPrior, SegmentedScan]:
+    box = camera_scan()
+    return box, *_segmented(box, SegmentsConfig(method=method, pixel_stride=1))
+
+
+@cache
+def _laser() -> tuple[BoxScan, CompassPrior, SegmentedScan]:
+    box = laser_scan()
+    return box, *_segmented(box, SegmentsConfig())
+
+
+def _true_distances(box: BoxScan, segmented: SegmentedScan) -> np.ndarray:
+    """Distance from the frame to the wall each segment's axis and facing name, under the quarter turn the estimate chose."""
+    segments = segmented.segments
+    turn = np.median(segmented.frames.world_from_sensor @ np.swapaxes(box.world_from_sensor, 1, 2), axis=0).round()
+    normal = np.eye(3)[segments.axis.astype(int)] * segments.facing[:, None] @ turn  # in the room's own axes
+    axis = np.abs(normal).argmax(axis=1)
+    facing = np.sign(normal[np.arange(len(axis)), axis])
+    wall = np.array(ROOM_M)[axis, (facing < 0).astype(int)]
+    along = (wall - box.position_m[segments.frame, axis]) * facing
+    return np.asarray(along * segments.facing)
+
+
+def test_the_rotations_of_a_camera_are_right_to_a_twentieth_of_a_degree() -> None:
+    box, _, segmented = _camera()
+    rms = np.degrees(np.sqrt((yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor) ** 2).mean()))
+    assert 1e-6 < rms < 0.05
+    assert segmented.frames.measured.all()
+
+
+def test_the_yaw_sigma_tells_the_size_of_the_yaw_error() -> None:
+    box, _, segmented = _camera()
+    z = yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor) / segmented.frames.yaw_sigma_rad
+    assert 0.1 < np.sqrt((z**2).mean()) < 2.0
+
+
+@pytest.mark.parametrize("method", ["normals", "vote"])
+def test_segment_distances_are_those_of_the_walls(method: str) -> None:
+    box, _, segmented = _camera(method)
+    error = segmented.segments.distance_m - _true_distances(box, segmented)
+    assert len(error) > 3 * len(box.recording)
+    assert np.abs(error).max() < 0.03
+    assert np.sqrt((error**2).mean()) < 0.005
+
+
+def test_segment_sigmas_are_neither_boasting_nor_shy() -> None:
+    box, _, segmented = _camera()
+    z = (segmented.segments.distance_m - _true_distances(box, segmented)) / segmented.segments.sigma_m
+    assert 0.01 < (z**2).mean() < 2.0
+
+
+def test_extents_stay_inside_the_room_and_reach_its_corners() -> None:
+    box, _, segmented = _camera()
+    height = segmented.segments.extent_m[segmented.segments.axis < 2, 2]
+    assert height.min() > ROOM_M[2][0] - 0.05
+    assert height.max() < ROOM_M[2][1] + 0.05
+    assert height.max() > ROOM_M[2][1] - 0.15
+
+
+def test_every_wall_of_the_room_is_one_track_while_it_is_in_sight() -> None:
+    box, _, segmented = _camera()
+    tracks = track(box.scan, segmented, TrackingConfig())
+    truth = _true_distances(box, segmented)
+    assert 6 <= len(tracks.axis) <= 14
+    for number in range(len(tracks.axis)):
+        rows = tracks.track_of_segment == number
+        assert len(set(segmented.segments.axis[rows])) == 1
+        assert len(set(np.sign(truth[rows]))) == 1
+
+
+def test_dead_reckoning_undoes_the_headings_drift() -> None:
+    box, _, segmented = _camera()
+    turn = np.median(segmented.frames.world_from_sensor @ np.swapaxes(box.world_from_sensor, 1, 2), axis=0).round()
+    truth = (box.position_m - box.position_m[0]) @ turn.T
+    assert np.abs(dead_reckoning(box.scan, segmented.frames.world_from_sensor) - truth).max() < 0.01
+
+
+def test_a_sweep_gives_walls_on_two_axes_and_no_heights() -> None:
+    box, _, segmented = _laser()
+    assert set(segmented.segments.axis) == {0, 1}
+    error = segmented.segments.distance_m - _true_distances(box, segmented)
+    assert np.sqrt((error**2).mean()) < 0.006
+    rms = np.degrees(np.sqrt((yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor) ** 2).mean()))
+    assert rms < 0.15
+
+
+def test_the_result_does_not_depend_on_the_order_of_the_chunks() -> None:
+    box, _, segmented = _camera()
+    again = _segmented(box, SegmentsConfig(pixel_stride=1), chunk=10, backwards=True)[1]
+    np.testing.assert_array_equal(again.segments.distance_m, segmented.segments.distance_m)
+    np.testing.assert_array_equal(again.evidence.segment, segmented.evidence.segment)
+    np.testing.assert_array_equal(again.frames.world_from_sensor, segmented.frames.world_from_sensor)
+
+
+def test_evidence_points_lie_on_the_segments_they_name() -> None:
+    _, _, segmented = _camera()
+    evidence, segments = segmented.evidence, segmented.segments
+    frame = np.repeat(np.arange(len(evidence.start) - 1), np.diff(evidence.start))
+    on = evidence.segment >= 0
+    assert on.mean() > 0.7
+    assert (segments.frame[evidence.segment[on]] == frame[on]).all()
+    world = np.einsum("pij,pj->pi", segmented.frames.world_from_sensor[frame[on]], evidence.point_sensor_m[on].astype(float))
+    off = world[np.arange(len(world)), segments.axis[evidence.segment[on]]] - segments.distance_m[evidence.segment[on]]
+    assert np.abs(off).max() < 0.06
