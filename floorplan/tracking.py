@@ -105,7 +105,10 @@ def _nearest(live: list[_Live], axis: int, facing: int, offset_m: float, box_m: 
     near = [
         (abs(t.offset_m - offset_m), t.number, t)
         for t in live
-        if t.axis == axis and t.facing == facing and abs(t.offset_m - offset_m) < config.gate_m and _gap_m(t.box_m, box_m, axis) < config.gap_m
+        if t.axis == axis
+        and t.facing == facing
+        and abs(t.offset_m - offset_m) < config.gate_m
+        and _gap_m(t.box_m, box_m, axis) < config.gap_m
     ]
     if not near:
         return None
@@ -123,8 +126,12 @@ def _see(live: _Live, offset_m: float, box_m: Array, moment: _Moment) -> None:
     fresh = live.last_frame != moment.frame
     live.offset_m = _MEMORY * live.offset_m + (1 - _MEMORY) * offset_m
     # The box is what was seen last, widened while several pieces of one frame belong to the track.
-    live.box_m = box_m if fresh else np.stack((np.minimum(live.box_m[:, 0], box_m[:, 0]), np.maximum(live.box_m[:, 1], box_m[:, 1])), axis=1)
+    live.box_m = box_m if fresh else _union(live.box_m, box_m)
     live.last_frame, live.last_walked_m, live.last_stamp_s = moment.frame, moment.walked_m, moment.stamp_s
+
+
+def _union(first: Array, second: Array) -> Array:
+    return np.stack((np.minimum(first[:, 0], second[:, 0]), np.maximum(first[:, 1], second[:, 1])), axis=1)
 
 
 def _tracks(found: _Found, segments: Segments, position: Array, config: TrackingConfig) -> Tracks:

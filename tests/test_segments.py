@@ -75,7 +75,7 @@ def test_segment_sigmas_are_neither_boasting_nor_shy() -> None:
 
 
 def test_extents_stay_inside_the_room_and_reach_its_corners() -> None:
-    box, _, segmented = _camera()
+    _, _, segmented = _camera()
     height = segmented.segments.extent_m[segmented.segments.axis < 2, 2]
     assert height.min() > ROOM_M[2][0] - 0.05
     assert height.max() < ROOM_M[2][1] + 0.05

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from floorplan.compass.directions import BIN_RAD, BINS, QUARTER_RAD
+from floorplan.compass.directions import BIN_RAD, QUARTER_RAD
 from floorplan.compiled import compiled
 from floorplan.geometry import wrap_to
 from floorplan.model.checks import Array

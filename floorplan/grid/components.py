@@ -46,11 +46,9 @@ def _touch(labels: Array, coordinate: Array, gate: Array, i: int, j: int, u: int
     if label < 6:
         axis = label // 2
         return bool(abs(coordinate[i, j, axis] - coordinate[u, v, axis]) < gate[i, j])
-    for axis in range(2):
-        # Off the axes both horizontal coordinates change along the surface: only a step in depth separates.
-        if not abs(coordinate[i, j, axis] - coordinate[u, v, axis]) < 6 * gate[i, j]:
-            return False
-    return True
+    # Off the axes both horizontal coordinates change along the surface: only a step in depth separates.
+    step_x, step_y = abs(coordinate[i, j, 0] - coordinate[u, v, 0]), abs(coordinate[i, j, 1] - coordinate[u, v, 1])
+    return bool(max(step_x, step_y) < 6 * gate[i, j])
 
 
 @compiled

@@ -21,7 +21,7 @@ COLUMNS = 14  # of a fit: see `Column`
 
 
 class Column:
-    """Columns of a fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes), offset, variance, share."""
+    """A fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes), offset, variance, share."""
 
     COUNT, WEIGHT, CENTROID, SCATTER, OFFSET, VARIANCE, SHARE = 0, 1, 2, 5, 11, 12, 13
 
