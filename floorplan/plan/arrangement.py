@@ -27,7 +27,8 @@ class Barrier:
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Cells of the lines `x_m (I + 1,)`, `y_m (J + 1,)`: `region (I, J)` or NO_REGION; barriers `wall_x (I + 1, J)`, `wall_y (I, J + 1)`."""
+    """Cells of the lines `x_m (I + 1,)`, `y_m (J + 1,)`: `region (I, J)` or NO_REGION; barriers `wall_x (I + 1, J)`,
+    `wall_y (I, J + 1)`."""
 
     x_m: Array
     y_m: Array
