@@ -25,7 +25,7 @@ class RayCaster:
     """Casts against solid surfaces and against panes of glass, which do not hide what is behind them."""
 
     def __init__(self, surfaces: tuple[Surface, ...]) -> None:
-        self._open3d = _open3d()
+        self._open3d = load_open3d()
         self.surfaces = surfaces
         kinds = [surface.kind for surface in surfaces]
         self._solid = np.array([i for i, kind in enumerate(kinds) if kind is not SurfaceKind.GLASS])
@@ -61,7 +61,7 @@ class RayCaster:
         return Hits(distance, np.where(none, NO_SURFACE, surface))
 
 
-def _open3d() -> Any:
+def load_open3d() -> Any:
     """Open3D; its missing libusb comes from the package `libusb-package`, loaded first for all to see."""
     import libusb_package
 
