@@ -16,6 +16,7 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import GravitySource, Intrinsics, NoiseModel, Problem, Recording, Sensor, SensorKind
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
+from floorplan.readers.depth_unit import depth_unit_problems
 from floorplan.readers.pose_table import (
     Interpolated,
     PoseTable,
@@ -25,6 +26,7 @@ from floorplan.readers.pose_table import (
     text_lines,
 )
 from floorplan.readers.row_checks import span_text, stamp_text, usable_rows
+from floorplan.readers.simulated import returns_to_start
 from floorplan.readers.world_up import down_in_sensor, named_axis
 
 TRAJECTORY_FILES = ("odometry.txt", "groundtruth.txt")  # in this order
@@ -79,11 +81,14 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
     if not len(rows):
         spans = f"depth spans {span_text(listed.stamp_ns)}, the poses {span_text(trajectory.stamp_ns)}"
         raise InputError(f"{path}: no depth image has a pose: {spans}; both need the same clock")
-    problems = listed.problems + files.problems + trajectory_problems + _unposed(listed, poses)
+    paths = tuple(listed.paths[row] for row in rows)
+    unit = depth_unit_problems(paths, 1.0 / lens.units_per_metre)
+    problems = listed.problems + files.problems + trajectory_problems + _unposed(listed, poses) + unit
     intrinsics = lens.intrinsics
+    recording = _recording(listed.stamp_ns[rows], poses, rows, intrinsics, problems)
     return DepthImages(
-        recording=_with_up(_recording(listed.stamp_ns[rows], poses, rows, intrinsics, problems), config.world_up),
-        depth_paths=tuple(listed.paths[row] for row in rows),
+        recording=replace(_with_up(recording, config.world_up), returns_to_start=returns_to_start(path)),
+        depth_paths=paths,
         metres_per_unit=1.0 / lens.units_per_metre,
         focal_px=np.tile([intrinsics.fx, intrinsics.fy], (len(rows), 1)),
         centre_px=np.tile([intrinsics.cx, intrinsics.cy], (len(rows), 1)),
