@@ -8,14 +8,15 @@ import numpy as np
 from floorplan.chain import log_marginal_likelihood
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
-from floorplan.odometry_chain import DriftModel
-from floorplan.weighted import LEVEL_AXES, RowWeights, build_system
+from floorplan.model.noise import DriftModel, ScanNoise
+from floorplan.weighted import LEVEL_AXES, build_system
 from floorplan.windows import Window
 
 RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a variance; beyond, odometry says nothing
 PART_FLOOR, PART_CEILING = 1e-3, 0.2  # parts of the step; beyond 20 % it is a fault, not drift
 SPANS = (np.log(2.0), np.log(2.0), np.log(1.5))  # half width of the parabola through three likelihoods, per sweep
 LARGEST_MOVE = 2.0  # spans; a parabola that opens downwards far away is not to be trusted
+FORGOTTEN = 1e-6  # share of a column not worth carrying on: likelihoods are compared to a tenth
 WINDOWS_ASKED = 3  # spread over the scan; more would not change two digits
 
 
@@ -29,28 +30,28 @@ def within_bounds(drift: DriftModel) -> DriftModel:
     )
 
 
-def most_likely(weights: RowWeights, pieces: Sequence[Window]) -> RowWeights:
+def most_likely(noise: ScanNoise, pieces: Sequence[Window]) -> ScanNoise:
     """Rate, scale and sideways sizes and one factor on all measurement sigmas that make the x-y rows most likely.
 
     Coordinate search in the logarithms, a parabola through three values at a time.
     """
     asked = [w for w in _spread(pieces) if np.isin(w.graph.axis, LEVEL_AXES).any()]
     if not asked:
-        return weights
-    at = np.log([weights.drift.rate_m_per_sqrt_m, weights.drift.scale_sigma, weights.drift.sideways_sigma, 1.0])
-    best = _likelihood(weights, asked, at)
+        return noise
+    at = np.log([noise.drift.rate_m_per_sqrt_m, noise.drift.scale_sigma, noise.drift.sideways_sigma, 1.0])
+    best = _likelihood(noise, asked, at)
     for span in SPANS:
         for k in range(len(at)):
-            for move in _moves(weights, asked, at, k, best, span):
-                at, best = move, _likelihood(weights, asked, move)
-    return _with(weights, at)
+            for move in _moves(noise, asked, at, k, best, span):
+                at, best = move, _likelihood(noise, asked, move)
+    return _with(noise, at)
 
 
-def _moves(weights: RowWeights, asked: Sequence[Window], at: Array, k: int, best: float, span: float) -> list[Array]:
+def _moves(noise: ScanNoise, asked: Sequence[Window], at: Array, k: int, best: float, span: float) -> list[Array]:
     """The better place along coordinate k, or nothing."""
     step = np.zeros(len(at))
     step[k] = span
-    low, high = _likelihood(weights, asked, at - step), _likelihood(weights, asked, at + step)
+    low, high = _likelihood(noise, asked, at - step), _likelihood(noise, asked, at + step)
     bend = low + high - 2 * best
     if bend < 0:
         along = float(np.clip(0.5 * (low - high) / bend, -LARGEST_MOVE, LARGEST_MOVE))
@@ -58,26 +59,26 @@ def _moves(weights: RowWeights, asked: Sequence[Window], at: Array, k: int, best
         along = LARGEST_MOVE if high > low else -LARGEST_MOVE
     candidates = [(max(low, high), at + step * (1.0 if high > low else -1.0))]
     there = at + step * along
-    candidates.append((_likelihood(weights, asked, there), there))
+    candidates.append((_likelihood(noise, asked, there), there))
     value, place = max(candidates, key=lambda c: c[0])
     return [place] if value > best else []
 
 
-def _likelihood(weights: RowWeights, asked: Sequence[Window], at: Array) -> float:
-    tried = _with(weights, at)
+def _likelihood(noise: ScanNoise, asked: Sequence[Window], at: Array) -> float:
+    tried = _with(noise, at)
     total = 0.0
     for window in asked:
-        system = build_system(window.graph, replace(tried, sigma_m=tried.sigma_m[window.rows]), LEVEL_AXES)
+        system = build_system(window.graph, replace(tried, sigma_m=tried.sigma_m[window.rows]), LEVEL_AXES, FORGOTTEN)
         total += log_marginal_likelihood(system.reduced)
     if not np.isfinite(total):
         raise NoSolutionError("The likelihood of the odometry's drift is not finite: check distances and translations for NaN.")
     return total
 
 
-def _with(weights: RowWeights, at: Array) -> RowWeights:
+def _with(noise: ScanNoise, at: Array) -> ScanNoise:
     rate, scale, sideways, factor = np.exp(at)
-    drift = replace(weights.drift, rate_m_per_sqrt_m=float(rate), scale_sigma=float(scale), sideways_sigma=float(sideways))
-    return replace(weights, drift=within_bounds(drift), sigma_m=weights.sigma_m * factor)
+    drift = replace(noise.drift, rate_m_per_sqrt_m=float(rate), scale_sigma=float(scale), sideways_sigma=float(sideways))
+    return replace(noise, drift=within_bounds(drift), sigma_m=noise.sigma_m * factor)
 
 
 def _spread(pieces: Sequence[Window]) -> list[Window]:

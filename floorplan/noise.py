@@ -1,4 +1,4 @@
-"""Noise from the scan itself: robust weights, a sigma per track, the odometry's drift. See docs/back-end.md, "Weights"."""
+"""Noise from the scan itself: robust weights, a sigma per track, the odometry's drift. See docs/back-end.md, "Noise"."""
 
 from dataclasses import replace
 
@@ -8,9 +8,9 @@ from floorplan.chain import solve_planes
 from floorplan.drift_likelihood import most_likely, within_bounds
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
-from floorplan.odometry_chain import DriftModel
+from floorplan.model.noise import DriftModel, ScanNoise
 from floorplan.structure import MAD_TO_SIGMA, growth
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, RowWeights, build_system, positions
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
 from floorplan.windows import Window, windows
 
 TRUSTED_SIGMAS = 2.5  # residuals up to here count in full, beyond with weight (2.5 / r)^2: 1 % of Gaussian errors lose a little
@@ -23,8 +23,8 @@ WINDOW_FRAMES = 1000  # enough path (100 m and more) to see rates correlated ove
 NEIGHBOURS = (-2, -1, 0, 1, 2)  # rows of the running median
 
 
-def estimate_weights(graph: LayoutGraph, reweightings: int = 2) -> RowWeights:
-    """Weights of every row and the drift model, from the graph alone."""
+def estimate_noise(graph: LayoutGraph, reweightings: int = 2) -> ScanNoise:
+    """Noise of every row and the drift model, from the graph alone."""
     signed = graph.distance_m * graph.facing[graph.track]
     level, upright = growth(graph, signed < 0, LEVEL_AXES), growth(graph, signed < 0, UPRIGHT_AXES)
     known = level or upright
@@ -33,16 +33,16 @@ def estimate_weights(graph: LayoutGraph, reweightings: int = 2) -> RowWeights:
     drift = DriftModel(level.rate_m_per_sqrt_m, level.scale, level.sideways) if level else DriftModel(0.0, 0.0, 0.0)
     drift = within_bounds(drift)
     vertical = within_bounds(replace(drift, rate_m_per_sqrt_m=upright.rate_m_per_sqrt_m)) if upright else drift
-    weights = RowWeights(_first_sigma(graph, ~wrong, pooled), 0.0, drift, vertical.rate_m_per_sqrt_m, int(wrong.sum()))
+    noise = ScanNoise(_first_sigma(graph, ~wrong, pooled), 0.0, drift, vertical.rate_m_per_sqrt_m, int(wrong.sum()))
     pieces = windows(graph, WINDOW_FRAMES)
     for _ in range(reweightings):
-        weights = _reweighted(graph, weights, ~wrong, pieces)
-    return most_likely(weights, pieces)
+        noise = _reweighted(graph, noise, ~wrong, pieces)
+    return most_likely(noise, pieces)
 
 
-def windowed(weights: RowWeights, window: Window) -> RowWeights:
-    """The weights of one window's rows."""
-    return replace(weights, sigma_m=weights.sigma_m[window.rows])
+def windowed(noise: ScanNoise, window: Window) -> ScanNoise:
+    """The noise of one window's rows."""
+    return replace(noise, sigma_m=noise.sigma_m[window.rows])
 
 
 def _first_sigma(graph: LayoutGraph, usable: Array, pooled_m: float) -> Array:
@@ -72,11 +72,11 @@ def _with_lonely_tracks(graph: LayoutGraph, sigma_m: Array) -> Array:
     return np.where(heard[graph.track], sigma_m, LONELY_SIGMA_M)
 
 
-def _reweighted(graph: LayoutGraph, weights: RowWeights, usable: Array, pieces: list[Window]) -> RowWeights:
+def _reweighted(graph: LayoutGraph, noise: ScanNoise, usable: Array, pieces: list[Window]) -> ScanNoise:
     """One step of iteratively reweighted least squares: residuals, a sigma per track, robust weights."""
-    residual = np.where(usable, _residuals(graph, weights, pieces), 0.0)
+    residual = np.where(usable, _residuals(graph, noise, pieces), 0.0)
     least = np.full(len(graph.axis), np.inf)
-    np.minimum.at(least, graph.track, weights.sigma_m)  # the sigma of a row that fits well is that of its track
+    np.minimum.at(least, graph.track, noise.sigma_m)  # the sigma of a row that fits well is that of its track
     weight = _robust_weight(residual / least[graph.track]) * usable
     count = np.bincount(graph.track, usable, len(graph.axis))
     total = np.bincount(graph.track, weight * residual**2, len(graph.axis))
@@ -85,10 +85,10 @@ def _reweighted(graph: LayoutGraph, weights: RowWeights, usable: Array, pieces: 
     weight = _robust_weight(residual / own)
     sigma = np.where(usable, own / np.sqrt(weight), np.inf)
     outliers = int((usable & (weight < OUTLIER_WEIGHT)).sum())
-    return replace(weights, sigma_m=_with_lonely_tracks(graph, sigma), outliers=outliers)
+    return replace(noise, sigma_m=_with_lonely_tracks(graph, sigma), outliers=outliers)
 
 
-def _residuals(graph: LayoutGraph, weights: RowWeights, pieces: list[Window]) -> Array:
+def _residuals(graph: LayoutGraph, noise: ScanNoise, pieces: list[Window]) -> Array:
     """Residuals (K,) of every row after least squares window by window."""
     residual = np.zeros(len(graph.track))
     for window in pieces:
@@ -96,7 +96,7 @@ def _residuals(graph: LayoutGraph, weights: RowWeights, pieces: list[Window]) ->
         for axes in (LEVEL_AXES, UPRIGHT_AXES):
             if not np.isin(g.axis, axes).any():
                 continue
-            system = build_system(g, windowed(weights, window), axes)
+            system = build_system(g, windowed(noise, window), axes)
             columns, _ = solve_planes(system.reduced)
             place, offset = positions(system, columns), np.zeros(len(g.axis))
             offset[system.tracks] = columns[: len(system.tracks)]

@@ -4,29 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.chain import Reduced, Rows, back_substitute, eliminate
+from floorplan.chain import ROUNDING, Reduced, Rows, back_substitute, eliminate
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
-from floorplan.odometry_chain import STEP_FLOOR_M, DriftModel, joint_chain, plain_chain
+from floorplan.model.noise import ScanNoise
+from floorplan.odometry_chain import STEP_FLOOR_M, joint_chain, plain_chain
 
 LEVEL_AXES, UPRIGHT_AXES = (0, 1), (2,)
-
-
-@dataclass(frozen=True)
-class RowWeights:
-    """What the scan itself says about its noise.
-
-    `sigma_m (K,)` effective standard deviation of every measurement (down-weighted rows have a larger one, rejected
-    rows infinity); `bias_sigma_m` error that all rows of one track share; `drift` of x and y; `vertical_rate_m_per_sqrt_m`
-    white odometry error of z; `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more.
-    """
-
-    sigma_m: Array
-    bias_sigma_m: float
-    drift: DriftModel
-    vertical_rate_m_per_sqrt_m: float
-    flipped: int = 0
-    outliers: int = 0
 
 
 @dataclass(frozen=True)
@@ -38,19 +22,19 @@ class AxisSystem:
     reduced: Reduced
 
 
-def build_system(graph: LayoutGraph, weights: RowWeights, axes: tuple[int, ...]) -> AxisSystem:
-    """Eliminate the trajectory of `axes` (LEVEL_AXES or UPRIGHT_AXES) under `weights`."""
+def build_system(graph: LayoutGraph, noise: ScanNoise, axes: tuple[int, ...], forgotten: float = ROUNDING) -> AxisSystem:
+    """Eliminate the trajectory of `axes` (LEVEL_AXES or UPRIGHT_AXES) under `noise`."""
     tracks = np.nonzero(np.isin(graph.axis, axes))[0]
     place = np.full(len(graph.axis), -1)
     place[tracks] = np.arange(len(tracks))
-    mine = np.nonzero((place[graph.track] >= 0) & np.isfinite(weights.sigma_m))[0]
+    mine = np.nonzero((place[graph.track] >= 0) & np.isfinite(noise.sigma_m))[0]
     component = graph.axis[graph.track[mine]] - axes[0]
-    rows = Rows(graph.frame[mine], component, place[graph.track[mine]], graph.distance_m[mine], weights.sigma_m[mine] ** -2)
+    rows = Rows(graph.frame[mine], component, place[graph.track[mine]], graph.distance_m[mine], noise.sigma_m[mine] ** -2)
     if axes == LEVEL_AXES:
-        chain = joint_chain(graph.translation_m, weights.drift)
+        chain = joint_chain(graph.translation_m, noise.drift)
     else:
-        chain = plain_chain(graph.translation_m[:, 2], vertical_weight(graph, weights.vertical_rate_m_per_sqrt_m))
-    return AxisSystem(axes, tracks, eliminate(chain, rows, len(tracks)))
+        chain = plain_chain(graph.translation_m[:, 2], vertical_weight(graph, noise.vertical_rate_m_per_sqrt_m))
+    return AxisSystem(axes, tracks, eliminate(chain, rows, len(tracks), forgotten))
 
 
 def vertical_weight(graph: LayoutGraph, rate_m_per_sqrt_m: float) -> Array:
