@@ -71,6 +71,8 @@ class TrackingConfig:
 class LeastSquaresConfig:
     """Stage `3-least-squares`."""
 
+    method: Literal["robust", "plain"] = "robust"  # "plain": unweighted rows, as published; VIO with lasting scale errors wants weights
+
 
 @dataclass(frozen=True)
 class MergeConfig:

@@ -16,7 +16,7 @@ RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a varianc
 PART_FLOOR, PART_CEILING = 1e-3, 0.2  # parts of the step; beyond 20 % it is a fault, not drift
 SPANS = (np.log(2.0), np.log(2.0), np.log(1.5))  # half width of the parabola through three likelihoods, per sweep
 LARGEST_MOVE = 2.0  # spans; a parabola that opens downwards far away is not to be trusted
-FORGOTTEN = 1e-6  # share of a column not worth carrying on: likelihoods are compared to a tenth
+FORGOTTEN = 1e-10  # share of a column not worth carrying on; at 1e-8 likelihoods still change by more than one
 WINDOWS_ASKED = 3  # spread over the scan; more would not change two digits
 
 

@@ -4,10 +4,10 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from floorplan.chain import solve_planes
+from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution
 from floorplan.model.noise import ScanNoise
-from floorplan.resolve import merged_graph, plane_extents
 from floorplan.rows import residual_norm
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
 
@@ -44,7 +44,7 @@ def weighted_resolve(graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise
 
 
 def _joined(offset_m: Array, blurred: Array, member: Array, planes: int) -> tuple[Array, Array, Array]:
-    """Generalised least squares of `offset = G plane + error`, error covariance `blurred`: planes, covariance, `Q^-1 (G plane - offset)`."""
+    """Generalised least squares of `offset = G plane + error`, covariance `blurred` Q: planes, theirs, `Q^-1 (G plane - offset)`."""
     G = np.zeros((len(member), planes))
     G[np.arange(len(member)), member] = 1.0
     factor = cho_factor(blurred, lower=True)

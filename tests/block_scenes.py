@@ -1,5 +1,6 @@
 """Layout graphs with truth for the back end's tests: corridors round jagged blocks, walked in loops with drifting odometry."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +52,7 @@ class Wall:
     facing: int
 
 
-def make_scene(seed: int, settings: SceneSettings = SceneSettings()) -> Scene:  # noqa: B008
+def make_scene(seed: int, settings: SceneSettings = SceneSettings()) -> Scene:
     """One seeded scene; walls of equal axis, facing and coordinate are one true plane."""
     rng = np.random.default_rng(seed)
     xs = np.cumsum(rng.uniform(7, 12, settings.columns + 1))
@@ -65,8 +66,8 @@ def make_scene(seed: int, settings: SceneSettings = SceneSettings()) -> Scene:  
 def _walls(rng: np.random.Generator, xs: Array, ys: Array, settings: SceneSettings) -> list[Wall]:
     """Four sides per block, each in pieces of which some stand back from the corridor; plus the outer ring."""
     half, walls = CORRIDOR_M / 2, []
-    for x0, x1 in zip(xs[:-1], xs[1:], strict=True):
-        for y0, y1 in zip(ys[:-1], ys[1:], strict=True):
+    for x0, x1 in itertools.pairwise(xs):
+        for y0, y1 in itertools.pairwise(ys):
             walls += _side(rng, 0, x0 + half, (y0 + half, y1 - half), -1, settings)
             walls += _side(rng, 0, x1 - half, (y0 + half, y1 - half), 1, settings)
             walls += _side(rng, 1, y0 + half, (x0 + half, x1 - half), -1, settings)
@@ -86,7 +87,7 @@ def _side(
         cuts.append(cuts[-1] + rng.uniform(1.5, 3.5))
     cuts.append(span[1])
     walls, last = [], offset
-    for k, (low, high) in enumerate(zip(cuts[:-1], cuts[1:], strict=True)):
+    for k, (low, high) in enumerate(itertools.pairwise(cuts)):
         inside = 0 < k < len(cuts) - 2
         back = rng.uniform(*settings.recess_m) if inside and rng.random() < 0.4 else 0.0
         here = round(offset - facing * back, 3)
@@ -115,7 +116,7 @@ def _walk(rng: np.random.Generator, xs: Array, ys: Array, legs: int) -> tuple[Ar
     points, yaws = [], []
     corners = np.array([(xs[a], ys[b]) for a, b in nodes])
     yaw = 0.0
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in itertools.pairwise(corners):
         goal = float(np.arctan2(*(b - a)[::-1]))
         turn = (goal - yaw + np.pi) % (2 * np.pi) - np.pi
         for k in range(round(abs(turn) / 0.2)):

@@ -99,10 +99,7 @@ def _planes_per_metre(planes: Planes, plane: Array | None) -> Array:
         mine = np.flatnonzero(group == label)
         mine = mine[np.argsort(planes.offset_m[mine])]
         offset, sigma = planes.offset_m[mine], np.sqrt(np.diag(planes.covariance_m2)[mine])
-        if plane is None:
-            distinct = 1 + int((np.diff(offset) > np.minimum(sigma[1:], sigma[:-1])).sum())
-        else:
-            distinct = len(np.unique(plane[mine]))
+        distinct = 1 + int((np.diff(offset) > np.minimum(sigma[1:], sigma[:-1])).sum()) if plane is None else len(np.unique(plane[mine]))
         density[mine] = distinct / (np.ptp(offset) + BUILDING_MARGIN_M)
     return density
 
