@@ -117,8 +117,11 @@ class DrawingConfig:
 
     units: Literal["m", "mm", "ft"] = "m"
     scale: str = ""  # "1:50"; empty: chosen to fit the sheet
-    sheet: str = "A3"
-    dxf_version: str = "R2010"
+    sheet: str = "A3"  # A4 .. A0, ANSI A .. ANSI E
+    dxf_version: str = "R2010"  # R2000 .. R2018
+    layers: str = "ncs"  # layer names: US NCS, or "iso13567"
+    profile: str = ""  # "cafm": R2000, metres, no hatches, one kind of entity per layer, for strict importers
+    template: str = ""  # a DXF with the office's own title block; empty: the built-in one
 
 
 @dataclass(frozen=True)
@@ -130,6 +133,7 @@ class ProjectConfig:
     floor: str = ""
     surveyor: str = ""
     client: str = ""
+    north_deg: float | None = None  # where north lies, degrees counter-clockwise from the plan's +y; None: not known, no arrow
 
 
 @dataclass(frozen=True)
