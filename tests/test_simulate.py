@@ -120,3 +120,12 @@ def test_an_unknown_preset_or_format_names_the_choices(tmp_path: Path) -> None:
         simulate(tmp_path / "a", "castle", 1)
     with pytest.raises(UsageError, match="stray"):
         simulate(tmp_path / "b", "flat", 1, format="bag")
+
+
+def test_the_bundled_flat_is_the_one_its_command_makes() -> None:
+    folder = Path(__file__).parents[1] / "samples" / "flat"
+    truth = json.loads((folder / "truth.json").read_text())
+    walk = draw_scene("flat", 1, rate_hz=3.0).walk
+    assert truth["trajectory"]["stamp_ns"] == walk.stamp_ns.tolist()
+    assert len(list((folder / "depth").iterdir())) == len(walk)
+    assert sum(file.stat().st_size for file in (folder / "depth").iterdir()) < 8_000_000
