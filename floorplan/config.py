@@ -18,6 +18,8 @@ class ReadConfig:
     cy: float = 0.0
     depth_scale: float = 0.0  # depth units per metre: 1000 for millimetres, 5000 in the TUM sets
     world_up: str = ""  # axis of the odometry's world that points up: "+z", "-y", ...
+    range_topic: str = ""  # of a ROS bag: depth images, sweeps or clouds; empty: the only one there is
+    pose_topic: str = ""  # of a ROS bag: Odometry, PoseStamped, ...; empty: the only one there is, else tf
 
 
 @dataclass(frozen=True)

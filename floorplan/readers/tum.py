@@ -13,10 +13,11 @@ import numpy as np
 from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, Intrinsics, NoiseModel, Problem, Recording, Sensor, SensorKind
+from floorplan.model.scan import GravitySource, Intrinsics, Problem, Recording
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
 from floorplan.readers.depth_unit import depth_unit_problems
+from floorplan.readers.noise_models import depth_camera
 from floorplan.readers.pose_table import (
     Interpolated,
     PoseTable,
@@ -32,11 +33,6 @@ from floorplan.readers.world_up import down_in_sensor, named_axis
 TRAJECTORY_FILES = ("odometry.txt", "groundtruth.txt")  # in this order
 UNITS_PER_METRE = 5000.0  # of the original sets
 MAX_POSE_GAP_S = 0.5  # a hand-held camera can turn by tens of degrees in longer gaps: nothing to interpolate
-# Structured light: sigma_z grows with the square of depth (Khoshelham & Elberink 2012, Sensors 12; the coefficients are those
-# of Nguyen, Izadi & Lovell 2012, 3DIMPVT, rounded up from 0.4 m to 0). Also an upper bound for time-of-flight cameras up to 4 m.
-NOISE = NoiseModel(constant_m=0.0015, quadratic_per_m=0.0019)
-MIN_RANGE_M = 0.3
-MAX_RANGE_M = 10.0  # a disparity step is 25 cm there
 
 
 @dataclass(frozen=True)
@@ -154,9 +150,7 @@ def _unposed(listed: _DepthList, poses: Interpolated) -> tuple[Problem, ...]:
 
 
 def _recording(stamp_ns: Array, poses: Interpolated, rows: Array, intrinsics: Intrinsics, problems: tuple[Problem, ...]) -> Recording:
-    sensor = Sensor(
-        SensorKind.CAMERA, intrinsics.height, intrinsics.width, NOISE, MIN_RANGE_M, MAX_RANGE_M, 1.0 / intrinsics.fx, intrinsics
-    )
+    sensor = depth_camera(intrinsics)
     unknown = np.full((len(rows), 3), np.nan)
     return Recording(
         "tum", sensor, stamp_ns, poses.position_m[rows], poses.rotation[rows], unknown, GravitySource.UNKNOWN, problems
