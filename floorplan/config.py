@@ -18,8 +18,6 @@ class ReadConfig:
     cy: float = 0.0
     depth_scale: float = 0.0  # depth units per metre: 1000 for millimetres, 5000 in the TUM sets
     world_up: str = ""  # axis of the odometry's world that points up: "+z", "-y", ...
-    range_topic: str = ""  # of a ROS bag: depth images, sweeps or clouds; empty: the only one there is
-    pose_topic: str = ""  # of a ROS bag: Odometry, PoseStamped, ...; empty: the only one there is, else tf
 
 
 @dataclass(frozen=True)
@@ -73,15 +71,13 @@ class TrackingConfig:
 class LeastSquaresConfig:
     """Stage `3-least-squares`."""
 
-    method: Literal["robust", "plain"] = "robust"  # "plain": unweighted rows, as published; VIO with lasting scale errors wants weights
-
 
 @dataclass(frozen=True)
 class MergeConfig:
     """Stage `4-merge`. `radius_m`, `eps` and `mu_m` are the paper's; `evidence` takes its gates from the covariance."""
 
     method: Literal["paper", "evidence"] = "paper"
-    engine: Literal["reduced", "cvxpy"] = "cvxpy"  # of `paper`
+    engine: Literal["reduced", "cvxpy"] = "reduced"  # of `paper`; "cvxpy" is the verbatim reference, slow and wrong at building scale
     radius_m: float = 1.0
     eps: float = 0.02
     mu_m: float = 0.30
@@ -119,11 +115,8 @@ class DrawingConfig:
 
     units: Literal["m", "mm", "ft"] = "m"
     scale: str = ""  # "1:50"; empty: chosen to fit the sheet
-    sheet: str = "A3"  # A4 .. A0, ANSI A .. ANSI E
-    dxf_version: str = "R2010"  # R2000 .. R2018
-    layers: str = "ncs"  # layer names: US NCS, or "iso13567"
-    profile: str = ""  # "cafm": R2000, metres, no hatches, one kind of entity per layer, for strict importers
-    template: str = ""  # a DXF with the office's own title block; empty: the built-in one
+    sheet: str = "A3"
+    dxf_version: str = "R2010"
 
 
 @dataclass(frozen=True)
@@ -135,7 +128,6 @@ class ProjectConfig:
     floor: str = ""
     surveyor: str = ""
     client: str = ""
-    north_deg: float | None = None  # where north lies, degrees counter-clockwise from the plan's +y; None: not known, no arrow
 
 
 @dataclass(frozen=True)

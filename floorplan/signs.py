@@ -9,13 +9,24 @@ from scipy import optimize
 
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
+from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.reduction import ReducedAxis, reduce_axis
-from floorplan.rows import AxisRows, AxisSolution, right_hand_side
+from floorplan.rows import AXES, AxisRows, AxisSolution, axis_rows, residual_norm, right_hand_side, split
 
 SIGN_TOLERANCE_M = 1e-6  # a plane a micron on the wrong side of a sensor is arithmetic, not geometry
 MAX_ROUNDS = 60  # each round adds rows; more rounds than this mean that the signs contradict each other everywhere
 ROWS_PER_ROUND = 200  # the worst offenders first: most of the others are satisfied with them
 EIGENVALUE_FLOOR = 1e-12  # relative; sign rows over a cycle of frames and planes depend on each other
+
+
+def least_squares_with_signs(graph: LayoutGraph) -> LeastSquaresSolution:
+    """Unweighted least squares of all axes subject to the sign rows: the smallest residual that keeps every sign."""
+    position, offset = np.zeros((len(graph.stamp_s), 3)), np.zeros(len(graph.axis))
+    for axis in AXES:
+        track = split(graph, axis).track
+        solution = solve_with_signs(axis_rows(graph, axis), graph.facing[track])
+        position[:, axis], offset[track] = solution.position_m, solution.offset_m
+    return LeastSquaresSolution(position, offset, residual_norm(graph, position, offset))
 
 
 def sign_excess_m(rows: AxisRows, facing: Array, solution: AxisSolution) -> Array:

@@ -4,17 +4,19 @@ import numpy as np
 
 from floorplan.config import MergeConfig
 from floorplan.errors import ConfigError
+from floorplan.merge import paper_cvxpy, paper_reduced
 from floorplan.merge.certificate import Certificate, certify, verified
 from floorplan.merge.hypotheses import Pairs, planes_of_tracks
-from floorplan.merge.paper_cvxpy import ADVICE, solve_verbatim
+from floorplan.merge.paper_cvxpy import solve_verbatim
 from floorplan.merge.paper_problem import (
     EXACT_RESIDUAL_M,
     PaperAnswer,
     PaperProblem,
+    answer_without_pairs,
     empty_ball,
     paper_problem,
-    signed_least_squares,
 )
+from floorplan.merge.paper_reduced import solve_reduced
 from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult, Verdict
 
@@ -47,13 +49,16 @@ def solve_paper(problem: PaperProblem, engine: str) -> tuple[PaperAnswer, Certif
         return _without_choice(problem)
     if engine == "cvxpy":
         answer = solve_verbatim(problem)
-        return answer, verified(problem, answer, engine, ADVICE)
+        return answer, verified(problem, answer, engine, paper_cvxpy.ADVICE)
+    if engine == "reduced":
+        answer = solve_reduced(problem)
+        return answer, verified(problem, answer, engine, paper_reduced.ADVICE)
     raise ConfigError(f"merge.engine = '{engine}' is unknown; it is 'reduced' or 'cvxpy'")
 
 
 def _without_choice(problem: PaperProblem) -> tuple[PaperAnswer, Certificate]:
     """Without pairs, or with rows that agree exactly, the least squares with signs is the answer."""
-    answer = signed_least_squares(problem)
+    answer = answer_without_pairs(problem)
     certificate = certify(problem, answer)
     if certificate.residual_m > problem.delta_m + EXACT_RESIDUAL_M:
         raise empty_ball(problem, certificate.residual_m)

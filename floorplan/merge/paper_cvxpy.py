@@ -7,9 +7,10 @@ import numpy as np
 from scipy import sparse
 
 from floorplan.errors import NoSolutionError
-from floorplan.merge.paper_problem import PaperAnswer, PaperProblem, empty_ball, signed_least_squares
+from floorplan.merge.paper_problem import PaperAnswer, PaperProblem, empty_ball
 from floorplan.model.checks import Array
 from floorplan.rows import AXES, axis_rows, design_matrix, split
+from floorplan.signs import least_squares_with_signs
 
 ADVICE = "Try merge.engine = 'reduced', or a smaller merge.radius_m (fewer hypotheses), or a larger merge.eps (a wider ball)."
 
@@ -47,8 +48,7 @@ def solve_verbatim(problem: PaperProblem) -> PaperAnswer:
             f"Clarabel gave up on the published problem ({len(problem.pairs)} hypotheses, {matrices.a.shape[1]} unknowns): {error} {ADVICE}"
         ) from error
     if program.status in (cvxpy.INFEASIBLE, cvxpy.INFEASIBLE_INACCURATE):
-        signed = signed_least_squares(problem)
-        raise empty_ball(problem, problem.residual(signed.position_m, signed.track_offset_m))
+        raise empty_ball(problem, least_squares_with_signs(problem.graph).residual)
     if xi.value is None:
         raise NoSolutionError(f"Clarabel found no answer (status {program.status}). {ADVICE}")
     return _answer(matrices, np.asarray(xi.value), same.dual_value, signs.dual_value)

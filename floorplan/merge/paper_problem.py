@@ -12,12 +12,13 @@ from functools import cached_property
 import numpy as np
 
 from floorplan.errors import NoSolutionError
-from floorplan.merge.hypotheses import Pairs, pairs_within
+from floorplan.merge.hypotheses import Pairs, pairs_within, planes_of_tracks
+from floorplan.merged_graph import merged_graph
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.reduction import ReducedAxis, reduce_axis
 from floorplan.rows import AXES, axis_rows, residual_norm, split, sums_by
-from floorplan.signs import solve_with_signs
+from floorplan.signs import least_squares_with_signs
 
 EXACT_RESIDUAL_M = 1e-7  # below a tenth of a micron over all rows the rows agree exactly: the ball is one point
 
@@ -76,15 +77,21 @@ def paper_problem(graph: LayoutGraph, least_squares: LeastSquaresSolution, radiu
     return PaperProblem(graph, pairs, least_squares, (1 + eps) * least_squares.residual)
 
 
-def signed_least_squares(problem: PaperProblem) -> PaperAnswer:
-    """Least squares with D as an answer: the smallest residual that keeps every sign."""
-    graph = problem.graph
-    position, offset = np.zeros((len(graph.stamp_s), 3)), np.zeros(len(graph.axis))
-    for axis in AXES:
-        track = split(graph, axis).track
-        solution = solve_with_signs(problem.reduced[axis].rows, graph.facing[track])
-        position[:, axis], offset[track] = solution.position_m, solution.offset_m
-    return PaperAnswer(position, offset, np.sign(problem.pairs.gap_m(offset)), np.zeros(len(graph.frame)))
+def answer_without_pairs(problem: PaperProblem) -> PaperAnswer:
+    """Least squares with D as an answer: what is left where no pair can pull."""
+    solution = least_squares_with_signs(problem.graph)
+    pair_dual = np.sign(problem.pairs.gap_m(solution.track_offset_m))
+    return PaperAnswer(solution.position_m, solution.track_offset_m, pair_dual, np.zeros(len(problem.graph.frame)))
+
+
+def fully_merged_answer(problem: PaperProblem) -> PaperAnswer | None:
+    """The answer of objective 0, every pair merged, where the ball is wide enough for it."""
+    plane_of_track = planes_of_tracks(len(problem.graph.axis), problem.pairs)
+    solution = least_squares_with_signs(merged_graph(problem.graph, plane_of_track))
+    if solution.residual > problem.delta_m:
+        return None
+    no_pull = np.zeros(len(problem.pairs)), np.zeros(len(problem.graph.frame))
+    return PaperAnswer(solution.position_m, solution.track_offset_m[plane_of_track], *no_pull)
 
 
 def empty_ball(problem: PaperProblem, signed_residual_m: float) -> NoSolutionError:

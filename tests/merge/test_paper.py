@@ -14,7 +14,7 @@ from floorplan.merge.paper_problem import PaperAnswer, PaperProblem, paper_probl
 from floorplan.model.graph import LayoutGraph, MergeResult
 from tests.graphs import graph_along_x, loop_graph
 
-ENGINES = ["cvxpy"]
+ENGINES = ["cvxpy", "reduced"]
 # Planes at 2 and 2.5, each seen twice with -+ 0.1: the least squares leaves 0.2 in all.
 TWO_PLANES = graph_along_x([], [(0, 0, 1.9), (0, 0, 2.1), (0, 1, 2.4), (0, 1, 2.6)], facing=[-1, -1])
 # Seen 0.1 ahead from two places a metre apart: with the signs kept, plane and second place meet at 0.55.
@@ -22,11 +22,11 @@ WRONG_SIDE = graph_along_x([1.0], [(0, 0, 0.1), (1, 0, 0.1), (0, 1, 1.9), (0, 1,
 
 
 def problem_of(graph: LayoutGraph, radius_m: float = 1.0, eps: float = 0.02) -> PaperProblem:
-    return paper_problem(graph, least_squares(graph, LeastSquaresConfig(method="plain")), radius_m, eps)
+    return paper_problem(graph, least_squares(graph, LeastSquaresConfig()), radius_m, eps)
 
 
 def merged(graph: LayoutGraph, **settings: float | str) -> MergeResult:
-    return merge(graph, least_squares(graph, LeastSquaresConfig(method="plain")), MergeConfig(method="paper", **settings))
+    return merge(graph, least_squares(graph, LeastSquaresConfig()), MergeConfig(method="paper", **settings))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -124,4 +124,4 @@ def test_an_unknown_method_or_engine_is_an_error_of_use() -> None:
     with pytest.raises(ConfigError, match="engine"):
         merged(TWO_PLANES, engine="abacus")
     with pytest.raises(ConfigError, match="method"):
-        merge(TWO_PLANES, least_squares(TWO_PLANES, LeastSquaresConfig(method="plain")), MergeConfig(method="abacus"))
+        merge(TWO_PLANES, least_squares(TWO_PLANES, LeastSquaresConfig()), MergeConfig(method="abacus"))

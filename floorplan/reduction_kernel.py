@@ -1,0 +1,56 @@
+"""Compiled elimination of a scalar chain into its border; see `floorplan.reduction`."""
+
+import numpy as np
+from numba import njit
+
+from floorplan.model.checks import Array
+
+FORGOTTEN = 1e-18  # a column's share below this part of its own scale cannot change a double
+
+
+@njit(cache=True)
+def subtract_chain(
+    pivot: Array, multiplier: Array, start: Array, column: Array, value: Array, last: Array, scale: Array, information: Array
+) -> None:
+    """`information -= B^T T^-1 B` for `T = L diag(pivot) L^T` with `multiplier` below L's diagonal.
+
+    `B` is sparse by frame: entries `start[i]:start[i + 1]` are (`column`, `value`). A column is carried from the frame that
+    first feels it until its share has decayed below rounding and no later frame feels it (`last`): the window that keeps
+    work and memory local however long the chain is.
+    """
+    slot = np.full(len(scale), -1)
+    active = np.empty(len(scale), np.int64)
+    share = np.zeros(len(scale))
+    used = 0
+    for i in range(len(pivot)):
+        if i > 0:
+            kept = 0
+            for a in range(used):
+                carried = -multiplier[i - 1] * share[a]
+                if abs(carried) < FORGOTTEN * scale[active[a]] and last[active[a]] < i:
+                    slot[active[a]] = -1
+                    continue
+                share[kept] = carried
+                active[kept] = active[a]
+                slot[active[kept]] = kept
+                kept += 1
+            used = kept
+        for k in range(start[i], start[i + 1]):
+            if slot[column[k]] < 0:
+                slot[column[k]] = used
+                active[used] = column[k]
+                share[used] = 0.0
+                used += 1
+            share[slot[column[k]]] += value[k]
+        for a in range(used):
+            part = share[a] / pivot[i]
+            row = active[a]
+            for b in range(a + 1):
+                other = active[b]
+                if row >= other:
+                    information[row, other] -= part * share[b]
+                else:
+                    information[other, row] -= part * share[b]
+    for row in range(len(scale)):
+        for other in range(row):
+            information[other, row] = information[row, other]
