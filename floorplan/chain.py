@@ -13,6 +13,8 @@ from floorplan import chain_kernels
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
 
+ROUNDING = 1e-14  # a share below this part of a column's scale is rounding error of the reduced system
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -76,8 +78,11 @@ class Reduced:
     log_weight: float
 
 
-def eliminate(chain: Chain, rows: Rows, planes: int) -> Reduced:
-    """Reduce the chain and its rows to `planes` columns. Raises NoSolutionError where the chain is singular."""
+def eliminate(chain: Chain, rows: Rows, planes: int, forgotten: float = ROUNDING) -> Reduced:
+    """Reduce the chain and its rows to `planes` columns. Raises NoSolutionError where the chain is singular.
+
+    A column's share in a frame below `forgotten` of its own scale is dropped.
+    """
     rows = _usable(rows)
     diagonal, rhs = chain.diagonal.copy(), chain.rhs.copy()
     free = ~((rows.frame == 0) & (rows.component < chain.pinned))
@@ -88,7 +93,7 @@ def eliminate(chain: Chain, rows: Rows, planes: int) -> Reduced:
     information, reduced_rhs = _column_part(chain, rows, planes)
     quadratic = chain_kernels.reduce_columns(
         factored.lower, factored.link, rhs, chain.dense, _row_starts(held.frame, len(rhs)), held.component, held.column,
-        held.weight, _last_frame(held, planes), np.sqrt(np.diag(information)[:planes]), information, reduced_rhs,
+        held.weight, _last_frame(held, planes), np.sqrt(np.diag(information)[:planes]), information, reduced_rhs, forgotten,
     )
     information = information + information.T  # the kernel fills one of the two entries of a pair, either one
     information[np.diag_indices_from(information)] /= 2

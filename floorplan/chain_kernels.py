@@ -5,7 +5,7 @@ from numba import njit
 
 from floorplan.model.checks import Array
 
-FORGOTTEN = 1e-14  # a column's share below this part of its own scale is rounding error of the reduced system
+PANEL = 32  # values of one column kept before they are multiplied out: long enough for vector instructions
 
 
 @njit(cache=True)
@@ -95,37 +95,56 @@ def solve_chain(lower: Array, link: Array, rhs: Array) -> None:
 
 
 @njit(cache=True)
-def _admit(column: int, slot: Array, active: Array, share: Array, count: int) -> int:
+def _admit(column: int, slot: Array, active: Array, panel: Array, count: int) -> int:
     slot[column] = count
     active[count] = column
-    share[count] = 0.0
+    panel[count] = 0.0
     return count + 1
 
 
 @njit(cache=True)
-def _forget(active: Array, slot: Array, share: Array, last: Array, scale: Array, frame: int, first: int, count: int) -> int:
-    """Drop columns whose last row is behind and whose share has decayed to rounding error."""
+def _forget(active: Array, slot: Array, newest: Array, dying: Array, first: int, count: int) -> int:
+    """Drop the columns marked `dying` (count,), moving the others up; gives back how many are left."""
     kept = first
     for a in range(first, count):
         column = active[a]
-        largest = 0.0
-        for k in range(share.shape[1]):
-            largest = max(largest, abs(share[a, k]))
-        if last[column] <= frame and largest < FORGOTTEN * scale[column]:
+        if dying[a]:
             slot[column] = -1
             continue
-        if kept != a:
-            active[kept] = column
-            share[kept] = share[a]
-            slot[column] = kept
+        active[kept] = column
+        newest[kept] = newest[a]
+        slot[column] = kept
         kept += 1
     return kept
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
+def _subtract_gram(panel: Array, active: Array, used: int, information: Array) -> None:
+    """information -= panel panel^T, one of the two entries of every pair (whichever comes)."""
+    for a in range(used):
+        into, mine = information[active[a]], panel[a]
+        for b in range(a + 1):
+            other, value = panel[b], 0.0
+            for k in range(mine.shape[0]):
+                value += mine[k] * other[k]
+            into[active[b]] -= value
+
+
+@njit(cache=True)
+def _advance(lower: Array, link: Array, panel: Array, newest: Array, used: int, at: int) -> None:
+    """Share of every active column in this frame: panel <- L^-1 (panel - W newest)."""
+    n = lower.shape[0]
+    for a in range(used):
+        mine = panel[a, at : at + n]
+        _carry(link, newest[a], mine)
+        _forward(lower, mine)
+        newest[a] = mine
+
+
+@njit(cache=True)
 def reduce_columns(
     lower: Array, link: Array, rhs: Array, dense: Array, row_start: Array, component: Array, column: Array, weight: Array,
-    last: Array, scale: Array, information: Array, reduced_rhs: Array,
+    last: Array, scale: Array, information: Array, reduced_rhs: Array, forgotten: float,
 ) -> float:
     """Subtract B^T T^-1 B from `information` and B^T T^-1 h from `reduced_rhs`; gives back h^T T^-1 h.
 
@@ -135,42 +154,34 @@ def reduce_columns(
     """
     count, n = rhs.shape
     planes, width = scale.shape[0], dense.shape[2]
-    slot = np.full(planes + width, -1)
-    active = np.empty(planes + width, np.int64)
-    share = np.zeros((planes + width, n))
-    old, y, quadratic = np.zeros(n), np.zeros(n), 0.0
-    used = 0
+    total, batch = planes + width, PANEL // n
+    slot, active, dying = np.full(total, -1), np.empty(total, np.int64), np.zeros(total, np.bool_)
+    panel, newest = np.zeros((total, batch * n)), np.zeros((total, n))
+    nothing, y, h, quadratic, used = np.zeros((n, n)), np.zeros(n), np.zeros(n), 0.0, 0
     for g in range(width):
-        used = _admit(planes + g, slot, active, share, used)
+        used = _admit(planes + g, slot, active, panel, used)
     for i in range(count):
-        h = rhs[i].copy()
-        if i > 0:
-            _carry(link[i - 1], y, h)
-            for a in range(used):
-                old[:] = share[a]
-                share[a] = 0.0
-                _carry(link[i - 1], old, share[a])
+        at = (i % batch) * n
+        before = link[i - 1] if i > 0 else nothing
+        h[:] = rhs[i]
+        _carry(before, y, h)
         for g in range(width):
-            for k in range(n):
-                share[g, k] += dense[i, k, g]
+            panel[g, at : at + n] += dense[i, :, g]
         for r in range(row_start[i], row_start[i + 1]):
             if slot[column[r]] < 0:
-                used = _admit(column[r], slot, active, share, used)
-            share[slot[column[r]], component[r]] -= weight[r]
+                newest[used] = 0.0
+                used = _admit(column[r], slot, active, panel, used)
+            panel[slot[column[r]], at + component[r]] -= weight[r]
         _forward(lower[i], h)
         y[:] = h
-        for k in range(n):
-            quadratic += y[k] * y[k]
+        quadratic += np.dot(y, y)
+        _advance(lower[i], before, panel, newest, used, at)
         for a in range(used):
-            _forward(lower[i], share[a])
-            for k in range(n):
-                reduced_rhs[active[a]] -= share[a, k] * y[k]
-        for a in range(used):
-            into = information[active[a]]
-            for b in range(a + 1):
-                value = 0.0
-                for k in range(n):
-                    value += share[a, k] * share[b, k]
-                into[active[b]] -= value
-        used = _forget(active, slot, share, last, scale, i, width, used)
+            reduced_rhs[active[a]] -= np.dot(newest[a], y)
+        if at + n == batch * n or i == count - 1:
+            _subtract_gram(panel, active, used, information)
+            for a in range(used):
+                dying[a] = last[active[a]] <= i and np.abs(newest[a]).max() < forgotten * scale[active[a]] if a >= width else False
+            used = _forget(active, slot, newest, dying, width, used)
+            panel[:used] = 0.0
     return quadratic

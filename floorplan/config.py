@@ -18,6 +18,8 @@ class ReadConfig:
     cy: float = 0.0
     depth_scale: float = 0.0  # depth units per metre: 1000 for millimetres, 5000 in the TUM sets
     world_up: str = ""  # axis of the odometry's world that points up: "+z", "-y", ...
+    range_topic: str = ""  # of a ROS bag: depth images, sweeps or clouds; empty: the only one there is
+    pose_topic: str = ""  # of a ROS bag: Odometry, PoseStamped, ...; empty: the only one there is, else tf
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ class TrackingConfig:
 class LeastSquaresConfig:
     """Stage `3-least-squares`."""
 
+    method: Literal["robust", "plain"] = "robust"  # "plain": unweighted rows, as published; VIO with lasting scale errors wants weights
+
 
 @dataclass(frozen=True)
 class MergeConfig:
@@ -115,8 +119,11 @@ class DrawingConfig:
 
     units: Literal["m", "mm", "ft"] = "m"
     scale: str = ""  # "1:50"; empty: chosen to fit the sheet
-    sheet: str = "A3"
-    dxf_version: str = "R2010"
+    sheet: str = "A3"  # A4 .. A0, ANSI A .. ANSI E
+    dxf_version: str = "R2010"  # R2000 .. R2018
+    layers: str = "ncs"  # layer names: US NCS, or "iso13567"
+    profile: str = ""  # "cafm": R2000, metres, no hatches, one kind of entity per layer, for strict importers
+    template: str = ""  # a DXF with the office's own title block; empty: the built-in one
 
 
 @dataclass(frozen=True)
@@ -128,6 +135,7 @@ class ProjectConfig:
     floor: str = ""
     surveyor: str = ""
     client: str = ""
+    north_deg: float | None = None  # where north lies, degrees counter-clockwise from the plan's +y; None: not known, no arrow
 
 
 @dataclass(frozen=True)

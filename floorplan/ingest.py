@@ -1,36 +1,39 @@
 """Stage `1-ingest`: checks the recording, finds the gravity of each frame, chooses the keyframes."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from floorplan.config import IngestConfig
 from floorplan.errors import InputError
+from floorplan.gravity import estimate_gravity
 from floorplan.keyframes import select_keyframes
 from floorplan.model.checks import Array
-from floorplan.model.scan import IngestedScan, Problem, Recording, SensorKind
+from floorplan.model.scan import GravitySource, IngestedScan, Problem, Recording, SensorKind
 from floorplan.readers.base import Source
-
-Progress = Callable[[int, int], None]
-
-
-def _silent(done: int, total: int) -> None:
-    """No progress is shown."""
+from floorplan.recording_checks import frozen_start, motion_problems
+from floorplan.reporting import Progress, no_progress
 
 
-def ingest(source: Source, config: IngestConfig, progress: Progress = _silent) -> IngestedScan:
+def ingest(source: Source, config: IngestConfig, progress: Progress = no_progress) -> IngestedScan:
     """The recording with gravity known, problems counted, and the frames to look at.
 
-    Raises `InputError` when the recording cannot be used: see the problems marked fatal.
+    Raises `InputError` when the recording cannot be used: it names every fatal problem.
     """
+    recording = examine(source, config, progress)
+    stop_on_fatal(recording.problems)
+    return IngestedScan(recording, keyframes_of(recording, config))
+
+
+def examine(source: Source, config: IngestConfig, progress: Progress = no_progress) -> Recording:
+    """The recording with every problem listed, fatal ones too, and its gravity where it can be had."""
     recording = source.recording
-    keyframe = keyframes_of(recording, config)
-    recording = with_gravity(source, keyframe, progress)
+    found = motion_problems(recording) + too_many_unreadable(recording, config.max_unreadable_share)
+    if recording.gravity_source is GravitySource.UNKNOWN:
+        recording = estimate_gravity(source, keyframes_of(recording, config), progress)
     if config.returns_to_start is not None:
         recording = replace(recording, returns_to_start=config.returns_to_start)
-    stop_on_fatal(recording.problems + too_many_unreadable(recording, config.max_unreadable_share))
-    return IngestedScan(recording, keyframe)
+    return replace(recording, problems=recording.problems + found)
 
 
 def keyframes_of(recording: Recording, config: IngestConfig) -> Array:
@@ -38,14 +41,17 @@ def keyframes_of(recording: Recording, config: IngestConfig) -> Array:
     laser = recording.sensor.kind is SensorKind.LASER
     distance_m = config.laser_keyframe_distance_m if laser else config.keyframe_distance_m
     angle_deg = config.laser_keyframe_angle_deg if laser else config.keyframe_angle_deg
-    return select_keyframes(
-        recording.stamp_ns, recording.position_m, recording.odom_from_sensor, distance_m, np.deg2rad(angle_deg), config.keyframe_gap_s
+    first = frozen_start(recording)
+    rows = slice(first, None)
+    chosen = select_keyframes(
+        recording.stamp_ns[rows],
+        recording.position_m[rows],
+        recording.odom_from_sensor[rows],
+        distance_m,
+        float(np.deg2rad(angle_deg)),
+        config.keyframe_gap_s,
     )
-
-
-def with_gravity(source: Source, keyframe: Array, progress: Progress) -> Recording:
-    """The recording with `down_sensor` known for every frame."""
-    return source.recording
+    return chosen + first
 
 
 def too_many_unreadable(recording: Recording, max_share: float) -> tuple[Problem, ...]:
@@ -56,11 +62,16 @@ def too_many_unreadable(recording: Recording, max_share: float) -> tuple[Problem
         return ()
     message = f"{count} of {len(recording) + count} depth images are damaged"
     advice = "copy the recording again, or raise ingest.max_unreadable_share to use what is left"
-    return (Problem("png-unreadable", message, damaged[0].where, count, advice, fatal=True),)
+    return (Problem("too-many-unreadable", message, damaged[0].where, count, advice, fatal=True),)
 
 
 def stop_on_fatal(problems: tuple[Problem, ...]) -> None:
     """Raise `InputError` with every fatal problem, if there is one."""
     fatal = [p for p in problems if p.fatal]
     if fatal:
-        raise InputError("\n".join(f"{p.code}: {p.message} ({p.where}); {p.advice}" for p in fatal))
+        raise InputError("\n".join(_sentence(p) for p in fatal))
+
+
+def _sentence(problem: Problem) -> str:
+    where = f" ({problem.where})" if problem.where else ""
+    return f"{problem.code}: {problem.message}{where}; {problem.advice}"

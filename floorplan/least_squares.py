@@ -4,13 +4,26 @@ import numpy as np
 
 from floorplan.config import LeastSquaresConfig
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
+from floorplan.noise import estimate_noise
 from floorplan.reduction import reduce_axis
 from floorplan.rows import AXES, AxisRows, AxisSolution, RowWeights, axis_rows, residual_norm, right_hand_side, split
+from floorplan.weighted_resolve import weighted_resolve
 
 
 def least_squares(graph: LayoutGraph, config: LeastSquaresConfig) -> LeastSquaresSolution:
-    """Minimise `||A xi - b||_2` over positions (N, 3) and track offsets (M,), metres; unweighted rows, as published."""
-    return weighted_least_squares(graph, None)
+    """Positions (N, 3) and track offsets (M,), metres, that minimise `||A xi - b||_2`.
+
+    "plain": unweighted rows, as published. "robust": rows weighted by the noise that the scan shows, odometry with scale and
+    sideways rates as further unknowns; its noise comes with the solution.
+    """
+    return weighted_least_squares(graph, None) if config.method == "plain" else robust_least_squares(graph)
+
+
+def robust_least_squares(graph: LayoutGraph) -> LeastSquaresSolution:
+    """Least squares under the noise estimated from the graph itself; the `residual` is unweighted all the same."""
+    noise = estimate_noise(graph)
+    solved = weighted_resolve(graph, np.arange(len(graph.axis)), noise, keep_covariance=False)
+    return LeastSquaresSolution(solved.position_m, solved.plane_offset_m, solved.residual_m, noise)
 
 
 def weighted_least_squares(graph: LayoutGraph, weights: RowWeights | None) -> LeastSquaresSolution:

@@ -1,30 +1,13 @@
 """Builds chains from odometry rows: plain ones, and the joint x-y chain with scale and sideways rates as states."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from floorplan.chain import Chain
 from floorplan.model.checks import Array
+from floorplan.model.noise import DriftModel
 
 PX, PY, SCALE, SIDEWAYS = 0, 1, 2, 3  # states of a frame of the joint chain
 STEP_FLOOR_M = 0.01  # a sensor that stands still still trembles: keeps every odometry row's variance above zero
-
-
-@dataclass(frozen=True)
-class DriftModel:
-    """How far odometry can be trusted; all standard deviations.
-
-    `rate_m_per_sqrt_m` white error of a step of 1 m (grows with the root of the path); `scale_sigma` and `sideways_sigma`
-    sizes of the slowly varying rates along and across the step (parts of the step), correlated over
-    `correlation_m` of path; `global_scale_sigma` prior of the one scale error of the whole scan.
-    """
-
-    rate_m_per_sqrt_m: float
-    scale_sigma: float
-    sideways_sigma: float
-    correlation_m: float = 20.0
-    global_scale_sigma: float = 0.05
 
 
 def step_variance_m2(translation_m: Array, drift: DriftModel) -> Array:

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.config import ResolveConfig
-from floorplan.merged_graph import merged_graph
+from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
 from floorplan.reduction import reduce_axis
-from floorplan.rows import AXES, axis_rows, residual_norm, split, squared_residual, sums_by
+from floorplan.rows import AXES, axis_rows, residual_norm, split, squared_residual
 from floorplan.signs import solve_with_signs
+from floorplan.weighted_resolve import weighted_resolve
 
 ASSUMED_ROW_SIGMA_M = 0.01  # of a depth camera at room range; used only where nothing can be learnt from residuals
 
@@ -30,8 +31,11 @@ class _AxisPlanes:
 def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> LayoutSolution:
     """Minimise `||A xi - b||` subject to `E' xi = 0` and `D xi <= 0`; final planes are the merged components.
 
-    Rows are unweighted; their standard deviation comes from the residuals of each axis.
+    Rows are weighted by `merged.noise`; without it they are unweighted, and their standard deviation comes from the
+    residuals of each axis. The weighted form rejects rows of the wrong sign beforehand instead of carrying D.
     """
+    if merged.noise is not None:
+        return weighted_resolve(graph, merged.plane_of_track, merged.noise, config.covariance)
     plane_graph = merged_graph(graph, merged.plane_of_track)
     solved = [_solve_axis(plane_graph, axis) for axis in AXES]
     position = np.stack([part.position_m for part in solved], axis=1)
@@ -50,21 +54,6 @@ def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> L
         plane_covariance_m2=covariance if config.covariance else None,
         residual_m=residual_norm(plane_graph, position, offset),
     )
-
-
-def plane_extents(graph: LayoutGraph, plane_of_track: Array, position_m: Array, plane_offset_m: Array) -> Array:
-    """Union of the tracks' boxes (L, 3, 2), each moved by the mean correction of the frames that saw it; NaN where unknown."""
-    dead_reckoned = np.vstack((np.zeros((1, 3)), np.cumsum(graph.translation_m, axis=0)))
-    correction = (position_m - dead_reckoned)[graph.frame]
-    seen = np.maximum(np.bincount(graph.track, minlength=len(graph.axis)), 1)
-    shift = np.stack([sums_by(graph.track, correction[:, k], len(graph.axis)) for k in AXES], axis=1) / seen[:, None]
-    moved = graph.extent_m + shift[:, :, None]
-    lowest, highest = np.full((len(plane_offset_m), 3), np.nan), np.full((len(plane_offset_m), 3), np.nan)
-    np.fmin.at(lowest, plane_of_track, moved[:, :, 0])
-    np.fmax.at(highest, plane_of_track, moved[:, :, 1])
-    extent = np.stack((lowest, highest), axis=2)
-    extent[plane_of_track, graph.axis] = plane_offset_m[plane_of_track, None]
-    return extent
 
 
 def _solve_axis(plane_graph: LayoutGraph, axis: int) -> _AxisPlanes:

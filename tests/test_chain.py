@@ -7,7 +7,8 @@ import pytest
 
 from floorplan.chain import Chain, Rows, back_substitute, eliminate, log_marginal_likelihood, solve_planes, state_covariance
 from floorplan.model.checks import Array
-from floorplan.odometry_chain import DriftModel, joint_chain, plain_chain, step_variance_m2
+from floorplan.model.noise import DriftModel
+from floorplan.odometry_chain import joint_chain, plain_chain, step_variance_m2
 
 DRIFT = DriftModel(rate_m_per_sqrt_m=0.02, scale_sigma=0.03, sideways_sigma=0.02)
 FRAMES, PLANES = 60, 9

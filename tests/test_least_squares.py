@@ -12,7 +12,7 @@ from tests.graphs import graph_along_x, loop_graph
 
 def test_a_loop_that_misses_closure_by_three_tenths_gives_each_of_its_three_rows_a_third() -> None:
     graph = graph_along_x([1.3], [(0, 0, 2.0), (1, 0, 1.0)], facing=[-1])
-    solution = least_squares(graph, LeastSquaresConfig())
+    solution = least_squares(graph, LeastSquaresConfig(method="plain"))
     np.testing.assert_allclose(solution.track_offset_m, [2.1], atol=1e-12)
     np.testing.assert_allclose(solution.position_m[:, 0], [0, 1.2], atol=1e-12)
     np.testing.assert_allclose(solution.position_m[:, 1:], 0, atol=1e-12)
@@ -22,21 +22,21 @@ def test_a_loop_that_misses_closure_by_three_tenths_gives_each_of_its_three_rows
 def test_two_planes_and_three_frames_match_their_exact_fractions() -> None:
     # m0 seen from 0, 1; m1 from 1, 2; odometry 1, 1. The only loop is 0-1-m0: its error 3/10 is shared by three rows.
     graph = graph_along_x([1.0, 1.0], [(0, 0, 5.0), (1, 0, 3.7), (1, 1, -2.0), (2, 1, -3.0)], facing=[-1, 1])
-    solution = least_squares(graph, LeastSquaresConfig())
+    solution = least_squares(graph, LeastSquaresConfig(method="plain"))
     np.testing.assert_allclose(solution.position_m[:, 0], [0, 1.1, 2.1], atol=1e-12)
     np.testing.assert_allclose(solution.track_offset_m, [4.9, -0.9], atol=1e-12)
 
 
 def test_one_frame_alone_is_solved() -> None:
     graph = graph_along_x([], [(0, 0, 1.9), (0, 0, 2.1)], facing=[-1])
-    solution = least_squares(graph, LeastSquaresConfig())
+    solution = least_squares(graph, LeastSquaresConfig(method="plain"))
     assert solution.track_offset_m[0] == pytest.approx(2.0)
     assert solution.residual == pytest.approx(0.1 * np.sqrt(2))
 
 
 def test_exact_rows_give_the_truth_and_no_residual() -> None:
     graph, position, plane = loop_graph(0, sigma_m=0, drift_m=0)
-    solution = least_squares(graph, LeastSquaresConfig())
+    solution = least_squares(graph, LeastSquaresConfig(method="plain"))
     np.testing.assert_allclose(solution.position_m, position, atol=1e-9)
     for wall in range(10):
         assert np.ptp(solution.track_offset_m[plane == wall]) < 1e-9

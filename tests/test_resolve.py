@@ -30,7 +30,7 @@ def test_merged_tracks_share_one_offset_and_its_variance_follows_from_the_residu
 
 def test_an_active_sign_row_holds_the_plane_at_the_sensor() -> None:
     graph = graph_along_x([1.0], [(0, 0, 0.1), (1, 0, 0.1)], facing=[-1])
-    free = least_squares(graph, LeastSquaresConfig())
+    free = least_squares(graph, LeastSquaresConfig(method="plain"))
     assert free.track_offset_m[0] < free.position_m[1, 0]  # without signs the plane passes behind the second place
     solution = resolved(graph, [0])
     assert solution.plane_offset_m[0] == pytest.approx(0.55, abs=1e-6)
@@ -39,7 +39,7 @@ def test_an_active_sign_row_holds_the_plane_at_the_sensor() -> None:
 
 def test_a_merge_across_a_loop_takes_the_drift_out() -> None:
     graph, position, plane = loop_graph(2)
-    before = least_squares(graph, LeastSquaresConfig())
+    before = least_squares(graph, LeastSquaresConfig(method="plain"))
     after = resolved(graph, plane.tolist())
     error_before = np.linalg.norm(before.position_m - position, axis=1).mean()
     error_after = np.linalg.norm(after.position_m - position, axis=1).mean()
@@ -87,7 +87,7 @@ def test_extents_are_united_at_the_solved_positions_and_flat_along_the_plane_s_a
 def test_the_whole_published_back_end_finds_the_walls_of_a_loop() -> None:
     graph, position, plane = loop_graph(4)
     config = MergeConfig(method="paper", engine="cvxpy")
-    merged = merge(graph, least_squares(graph, LeastSquaresConfig()), config)
+    merged = merge(graph, least_squares(graph, LeastSquaresConfig(method="plain")), config)
     solution = resolve(graph, merged, ResolveConfig())
     np.testing.assert_array_equal(solution.plane_of_track, plane)
     assert 0.001 < np.linalg.norm(solution.position_m - position, axis=1).mean() < 0.1

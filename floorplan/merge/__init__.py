@@ -2,6 +2,8 @@
 
 from floorplan.config import MergeConfig
 from floorplan.errors import ConfigError
+from floorplan.least_squares import weighted_least_squares
+from floorplan.merge.evidence import merge_evidence
 from floorplan.merge.paper import merge_paper
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution, MergeResult
 
@@ -11,6 +13,9 @@ def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: Merge
 
     Raises NoSolutionError when the method's problem has no solution that passes our checks.
     """
+    if config.method == "evidence":
+        return merge_evidence(graph, least_squares, config)
     if config.method == "paper":
-        return merge_paper(graph, least_squares, config)
+        plain = least_squares if least_squares.noise is None else weighted_least_squares(graph, None)
+        return merge_paper(graph, plain, config)
     raise ConfigError(f"merge.method = '{config.method}' is unknown; it is 'paper' or 'evidence'")

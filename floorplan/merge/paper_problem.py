@@ -13,7 +13,7 @@ import numpy as np
 
 from floorplan.errors import NoSolutionError
 from floorplan.merge.hypotheses import Pairs, pairs_within, planes_of_tracks
-from floorplan.merged_graph import merged_graph
+from floorplan.merged_planes import merged_graph
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.reduction import ReducedAxis, reduce_axis

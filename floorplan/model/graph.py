@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from floorplan.model.checks import Array, freeze
+from floorplan.model.noise import ScanNoise
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,15 @@ class LayoutGraph:
 
 @dataclass(frozen=True)
 class LeastSquaresSolution:
-    """Stage `3-least-squares`: `position_m (N, 3)` with p_0 = 0, `track_offset_m (M,)`, `residual` = `||A xi - b||_2`, unweighted."""
+    """Stage `3-least-squares`: `position_m (N, 3)` with p_0 = 0, `track_offset_m (M,)`, `residual` = `||A xi - b||_2`, unweighted.
+
+    `noise` as estimated from the scan, where the method weights its rows.
+    """
 
     position_m: Array
     track_offset_m: Array
     residual: float
+    noise: ScanNoise | None = None
 
     def __post_init__(self) -> None:
         freeze(self, {"position_m": (np.float64, ("N", 3)), "track_offset_m": (np.float64, ("M",))})
@@ -120,7 +125,8 @@ class MergeResult:
 
     `plane_of_track (M,)` component of each track under the accepted hypotheses. `track_offset_m (M,)` and
     `position_m (N, 3)`: the L1 solution before thresholding (`paper`), or the solution at the decision.
-    `objective` `||E xi||_1`, `delta_m` radius of the ball, `residual_m` `||A xi - b||_2` there.
+    `objective` `||E xi||_1`, `delta_m` radius of the ball, `residual_m` `||A xi - b||_2` there. `noise` is what the decisions
+    and the re-solve weight their rows with; None: unweighted.
     """
 
     method: str
@@ -131,6 +137,7 @@ class MergeResult:
     objective: float
     delta_m: float
     residual_m: float
+    noise: ScanNoise | None = None
 
     def __post_init__(self) -> None:
         freeze(

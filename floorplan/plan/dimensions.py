@@ -6,7 +6,7 @@ from shapely.geometry import LineString, Polygon, box
 from shapely.geometry import Point as ShapelyPoint
 
 from floorplan.model.checks import Array
-from floorplan.model.plan import Dimension, DimensionRole, PlanPlane, Room
+from floorplan.model.plan import Dimension, DimensionRole, Room
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.walls import distance_sigma_m, point_on
 
@@ -107,25 +107,6 @@ def _text_box(lower: FaceRun, upper: FaceRun, at: float) -> Polygon:
 def _stamp_box(room: Room) -> Polygon:
     point = ShapelyPoint(room.label)
     return box(point.x - TEXT_WIDTH_M / 2, point.y - 2 * TEXT_HEIGHT_M, point.x + TEXT_WIDTH_M / 2, point.y + 2 * TEXT_HEIGHT_M)
-
-
-def height_dimensions(planes: tuple[PlanPlane, ...], rooms: tuple[Room, ...], covariance_m2: Array | None) -> tuple[Dimension, ...]:
-    """Floor to ceiling, once per ceiling: the level plane with the most frames below against each one above it."""
-    floors = [k for k, plane in enumerate(planes) if plane.axis == 2 and plane.facing > 0]
-    ceilings = [k for k, plane in enumerate(planes) if plane.axis == 2 and plane.facing < 0]
-    if not floors or not ceilings:
-        return ()
-    floor = max(floors, key=lambda k: planes[k].frames)
-    ceiling = max(ceilings, key=lambda k: planes[k].frames)
-    low, high = planes[floor], planes[ceiling]
-    variance = low.sigma_m**2 + high.sigma_m**2
-    if covariance_m2 is not None:
-        variance = covariance_m2[floor, floor] + covariance_m2[ceiling, ceiling] - 2 * covariance_m2[floor, ceiling]
-    at = rooms[0].label if rooms else (sum(high.extent_m[0]) / 2, sum(high.extent_m[1]) / 2)
-    sigma = float(max(variance, 0.0) ** 0.5)
-    if high.offset_m <= low.offset_m:
-        return ()
-    return (Dimension("", DimensionRole.HEIGHT, low.id, high.id, 2, high.offset_m - low.offset_m, sigma, at, at, at),)
 
 
 def numbered(dimensions: tuple[Dimension, ...]) -> tuple[Dimension, ...]:

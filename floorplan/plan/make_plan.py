@@ -10,9 +10,15 @@ from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.plan.bodies import bodies_of, junction_blocks, paired_faces, solid
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
-from floorplan.plan.dimensions import height_dimensions, numbered, wall_to_wall
+from floorplan.plan.dimensions import numbered, wall_to_wall
 from floorplan.plan.faces import Run, find_runs
+from floorplan.plan.free_space import free_space
+from floorplan.plan.gaps import find_gaps
+from floorplan.plan.openings import find_openings
+from floorplan.plan.outline import gross_outline
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
+from floorplan.plan.room_facts import height_dimensions, room_height, with_area_sigma, with_ceiling
+from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.surface_evidence import surface_evidence
 from floorplan.plan.walls import draw_walls
 
@@ -32,9 +38,18 @@ def make_plan(
     pairs = paired_faces(faces, config)
     faces = agreed_jambs(faces, pairs)
     bodies = bodies_of(faces, pairs)
-    drawing = draw_walls(faces, bodies, solid(bodies, junction_blocks(bodies)), solution.plane_covariance_m2, ids)
-    dimensions = wall_to_wall(faces, (), solution.plane_covariance_m2, ids)
-    heights = height_dimensions(planes, (), solution.plane_covariance_m2)
+    matter = solid(bodies, junction_blocks(bodies))
+    covariance = joint_covariance(solution)
+    drawing = draw_walls(faces, bodies, matter, covariance, ids)
+    gaps = find_gaps(faces, evidence, config, world.heights)
+    path = world.trajectory.position_m[:, :2]
+    openings = find_openings(gaps, faces, path, {index for pair in pairs for index in pair}, config)
+    rooms = find_rooms(RoomScene(faces, gaps, bodies, free_space(world), path), config)
+    levels = tuple(room_height(room, world) for room in rooms)
+    rooms = tuple(
+        with_ceiling(with_area_sigma(room, faces, covariance), level, planes, covariance) for room, level in zip(rooms, levels, strict=True)
+    )
+    dimensions = wall_to_wall(faces, rooms, covariance, ids) + height_dimensions(rooms, levels, planes, covariance)
     return Plan(
         planes=planes,
         faces=drawing.faces,
@@ -42,12 +57,22 @@ def make_plan(
         trajectory=world.trajectory,
         rotation_quarters=world.rotation_quarters,
         shift_m=np.array(world.shift_m),
-        dimensions=numbered(dimensions + heights),
+        dimensions=numbered(dimensions),
+        openings=openings,
+        rooms=rooms,
+        gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=solution.plane_covariance_m2,
         evidence_xy_m=_drawn_points(world, config),
         rejections=found.rejections,
         floor_seen=world.floor_seen,
     )
+
+
+def joint_covariance(solution: LayoutSolution) -> Array:
+    """The planes' joint covariance; independent planes where the solution came without one."""
+    if solution.plane_covariance_m2 is not None:
+        return solution.plane_covariance_m2
+    return np.diag(solution.plane_sigma_m**2)
 
 
 def plan_planes(world: PlanWorld, solution: LayoutSolution) -> tuple[PlanPlane, ...]:

@@ -9,10 +9,11 @@ from floorplan.config import ReadConfig
 from floorplan.errors import InputError, UsageError
 from floorplan.readers.base import BadFrame, Reader, Source
 from floorplan.readers.carmen import CarmenReader
+from floorplan.readers.ros import RosReader
 from floorplan.readers.stray import StrayReader
 from floorplan.readers.tum import TumReader
 
-READERS: tuple[Reader, ...] = (StrayReader(), TumReader(), CarmenReader())
+READERS: tuple[Reader, ...] = (StrayReader(), TumReader(), CarmenReader(), RosReader())
 
 __all__ = ["READERS", "BadFrame", "Reader", "Source", "open_scan", "reader_for"]
 

@@ -19,6 +19,7 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, NoiseModel, Problem, Recording, Sensor, SensorKind
 from floorplan.readers.base import BadFrame
 from floorplan.readers.carmen_lines import Sweeps, parse_log
+from floorplan.readers.noise_models import LASER_SIGMA_M, LASER_SIGMA_PER_M
 from floorplan.readers.pose_table import PoseTable
 from floorplan.readers.row_checks import usable_rows
 
@@ -26,8 +27,6 @@ LOG_SUFFIXES = (".clf", ".log", ".carmen")
 PACKED_SUFFIXES = (".bz2", ".gz")
 SNIFFED_LINES = 200  # parameters and comments can stand before the first sweep
 LOG_WORDS = (b"FLASER", b"ROBOTLASER1", b"ODOM", b"PARAM", b"# CARMEN", b"# message_name", b"RLASER")
-SICK_SIGMA_M = 0.01  # SICK LMS 200: 5 mm statistical, up to 15 mm systematic (data sheet; Ye & Borenstein 2002, ICRA)
-SICK_SIGMA_PER_M = 0.0005  # the spot grows with range
 MIN_RANGE_M = 0.05
 SHARE_OF_NO_RETURN = 1e-4  # the greatest reading is the code for "no return" when so many readings have it exactly ...
 NO_RETURN_TO_NEIGHBOURS = 3.0  # ... and that is so many times what the last metre before it holds
@@ -143,7 +142,7 @@ def no_return_range_m(ranges: Array, stated_max_m: float) -> float:
 def _sensor(sweeps: Sweeps, ranges: Array, limit_m: float) -> Sensor:
     """The scanner, with the rounding of its ranges in this log as part of the noise."""
     step = _rounding_step_m(ranges)
-    noise = NoiseModel(constant_m=float(np.hypot(SICK_SIGMA_M, step / np.sqrt(12))), linear=SICK_SIGMA_PER_M)
+    noise = NoiseModel(constant_m=float(np.hypot(LASER_SIGMA_M, step / np.sqrt(12))), linear=LASER_SIGMA_PER_M)
     seen = ranges[np.isfinite(ranges)]
     farthest = float(seen.max()) if seen.size else MIN_RANGE_M
     ray_step = float(np.median(np.diff(sweeps.angle_rad))) if len(sweeps.angle_rad) > 1 else np.pi / 180

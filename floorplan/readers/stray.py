@@ -16,9 +16,11 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import GravitySource, Intrinsics, NoiseModel, Problem, Recording, Sensor, SensorKind
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
+from floorplan.readers.depth_unit import depth_unit_problems
 from floorplan.readers.imu import ImuTable, fused_up
 from floorplan.readers.pose_table import PoseTable, number_from_text, stamp_ns_from_text, text_lines
 from floorplan.readers.row_checks import usable_rows
+from floorplan.readers.simulated import returns_to_start
 from floorplan.readers.world_up import down_in_sensor
 
 COLOUR_WIDTH, COLOUR_HEIGHT = 1920, 1440  # the image camera_matrix.csv belongs to
@@ -67,10 +69,13 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
     lens = _depth_lens(path, odometry.lens[rows], files, config)
     poses = odometry.poses.rows(rows)
     confidence, confidence_problems = _confidence_paths(path, [odometry.frame[row] for row in rows])
+    paths = tuple(path / "depth" / f"{odometry.frame[row]}.png" for row in rows)
+    metres_per_unit = 1.0 / (config.depth_scale or UNITS_PER_METRE)
+    problems = usable.problems + files.problems + confidence_problems + depth_unit_problems(paths, metres_per_unit)
     return DepthImages(
-        recording=_recording(path, poses, _sensor(files, lens), usable.problems + files.problems + confidence_problems),
-        depth_paths=tuple(path / "depth" / f"{odometry.frame[row]}.png" for row in rows),
-        metres_per_unit=1.0 / (config.depth_scale or UNITS_PER_METRE),
+        recording=_recording(path, poses, _sensor(files, lens), problems),
+        depth_paths=paths,
+        metres_per_unit=metres_per_unit,
         focal_px=lens[:, :2],
         centre_px=lens[:, 2:],
         confidence_paths=confidence,
@@ -136,7 +141,8 @@ def _recording(path: Path, poses: PoseTable, sensor: Sensor, problems: tuple[Pro
         fused = fused_up(imu, poses.stamp_ns, rotation, ARKIT_UP)
         up, source, problems = fused.up_world, fused.source, problems + fused.problems
     down_sensor = down_in_sensor(up, rotation)
-    return Recording("stray", sensor, poses.stamp_ns, poses.position_m, rotation, down_sensor, source, problems)
+    ends = returns_to_start(path)
+    return Recording("stray", sensor, poses.stamp_ns, poses.position_m, rotation, down_sensor, source, problems, ends)
 
 
 def _imu(path: Path) -> ImuTable:

@@ -13,9 +13,11 @@ import numpy as np
 from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, Intrinsics, NoiseModel, Problem, Recording, Sensor, SensorKind
+from floorplan.model.scan import GravitySource, Intrinsics, Problem, Recording
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
+from floorplan.readers.depth_unit import depth_unit_problems
+from floorplan.readers.noise_models import depth_camera
 from floorplan.readers.pose_table import (
     Interpolated,
     PoseTable,
@@ -25,16 +27,12 @@ from floorplan.readers.pose_table import (
     text_lines,
 )
 from floorplan.readers.row_checks import span_text, stamp_text, usable_rows
+from floorplan.readers.simulated import returns_to_start
 from floorplan.readers.world_up import down_in_sensor, named_axis
 
 TRAJECTORY_FILES = ("odometry.txt", "groundtruth.txt")  # in this order
 UNITS_PER_METRE = 5000.0  # of the original sets
 MAX_POSE_GAP_S = 0.5  # a hand-held camera can turn by tens of degrees in longer gaps: nothing to interpolate
-# Structured light: sigma_z grows with the square of depth (Khoshelham & Elberink 2012, Sensors 12; the coefficients are those
-# of Nguyen, Izadi & Lovell 2012, 3DIMPVT, rounded up from 0.4 m to 0). Also an upper bound for time-of-flight cameras up to 4 m.
-NOISE = NoiseModel(constant_m=0.0015, quadratic_per_m=0.0019)
-MIN_RANGE_M = 0.3
-MAX_RANGE_M = 10.0  # a disparity step is 25 cm there
 
 
 @dataclass(frozen=True)
@@ -79,11 +77,14 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
     if not len(rows):
         spans = f"depth spans {span_text(listed.stamp_ns)}, the poses {span_text(trajectory.stamp_ns)}"
         raise InputError(f"{path}: no depth image has a pose: {spans}; both need the same clock")
-    problems = listed.problems + files.problems + trajectory_problems + _unposed(listed, poses)
+    paths = tuple(listed.paths[row] for row in rows)
+    unit = depth_unit_problems(paths, 1.0 / lens.units_per_metre)
+    problems = listed.problems + files.problems + trajectory_problems + _unposed(listed, poses) + unit
     intrinsics = lens.intrinsics
+    recording = _recording(listed.stamp_ns[rows], poses, rows, intrinsics, problems)
     return DepthImages(
-        recording=_with_up(_recording(listed.stamp_ns[rows], poses, rows, intrinsics, problems), config.world_up),
-        depth_paths=tuple(listed.paths[row] for row in rows),
+        recording=replace(_with_up(recording, config.world_up), returns_to_start=returns_to_start(path)),
+        depth_paths=paths,
         metres_per_unit=1.0 / lens.units_per_metre,
         focal_px=np.tile([intrinsics.fx, intrinsics.fy], (len(rows), 1)),
         centre_px=np.tile([intrinsics.cx, intrinsics.cy], (len(rows), 1)),
@@ -149,9 +150,7 @@ def _unposed(listed: _DepthList, poses: Interpolated) -> tuple[Problem, ...]:
 
 
 def _recording(stamp_ns: Array, poses: Interpolated, rows: Array, intrinsics: Intrinsics, problems: tuple[Problem, ...]) -> Recording:
-    sensor = Sensor(
-        SensorKind.CAMERA, intrinsics.height, intrinsics.width, NOISE, MIN_RANGE_M, MAX_RANGE_M, 1.0 / intrinsics.fx, intrinsics
-    )
+    sensor = depth_camera(intrinsics)
     unknown = np.full((len(rows), 3), np.nan)
     return Recording(
         "tum", sensor, stamp_ns, poses.position_m[rows], poses.rotation[rows], unknown, GravitySource.UNKNOWN, problems

@@ -8,15 +8,15 @@ from floorplan.simulate.surfaces import Surface
 
 CELL_M = 0.05
 ENOUGH_HITS = 20  # looked at (every fourth pixel is), in one cell over the whole scan: about 80 pixels
-PIXEL_STRIDE = 2
+IMAGE_STRIDE = 2
 
 
 class Coverage:
-    """Counts hits per cell of CELL_M along every upright axis-aligned surface."""
+    """Counts hits per cell of CELL_M along every upright axis-aligned surface; `rays (H * W, 3)` in sensor axes."""
 
-    def __init__(self, surfaces: tuple[Surface, ...]) -> None:
+    def __init__(self, surfaces: tuple[Surface, ...], rays: Array, stride: int = IMAGE_STRIDE) -> None:
         upright = [surface.axis in (0, 1) for surface in surfaces]
-        self.surfaces = surfaces
+        self.surfaces, self._rays, self._stride = surfaces, rays, stride
         self._low = np.array([s.along[0] if u else 0.0 for s, u in zip(surfaces, upright, strict=True)])
         self._along = np.array([1 - s.axis if u else 0 for s, u in zip(surfaces, upright, strict=True)])
         lengths = [s.along[1] - s.along[0] if u else 0.0 for s, u in zip(surfaces, upright, strict=True)]
@@ -25,12 +25,12 @@ class Coverage:
         self.hits = np.zeros(self._first[-1], dtype=np.int64)
         self.total = np.zeros(len(surfaces), dtype=np.int64)
 
-    def add(self, surface: Array, depth_m: Array, rays: Array, position_m: Array, world_from_camera: Array) -> None:
-        """Count one shot: `surface (H, W)`, `depth_m (H, W)` true depths, `rays (H * W, 3)` in camera axes."""
-        step = slice(None, None, PIXEL_STRIDE)
+    def add(self, surface: Array, depth_m: Array, position_m: Array, world_from_camera: Array) -> None:
+        """Count one shot: `surface (H, W)`, `depth_m (H, W)` true depths in ray lengths."""
+        step = slice(None, None, self._stride)
         found = surface[step, step] != NO_SURFACE
         picked = surface[step, step][found]
-        at = rays.reshape(*surface.shape, 3)[step, step][found] * depth_m[step, step][found][:, None]
+        at = self._rays.reshape(*surface.shape, 3)[step, step][found] * depth_m[step, step][found][:, None]
         world = at @ np.asarray(world_from_camera).T + position_m
         value = np.where(self._along[picked] == 0, world[:, 0], world[:, 1])
         cell = np.clip(((value - self._low[picked]) / CELL_M).astype(int), 0, self._cells[picked] - 1)

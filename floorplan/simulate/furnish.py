@@ -12,11 +12,12 @@ from floorplan.simulate.route import Route
 
 CLEAR_OF_PATH_M = 0.30  # kept free beside the walker's body
 DOOR_ZONE_M = 0.9  # kept free on both sides of a door
-OPENING_ZONE_M = 0.05
+OPENING_ZONE_M = 0.15  # kept free of piers
 DARK_SHARE = 0.15  # of the furniture: black lacquer, screens, cloth
 CORRIDOR_DENSITY = 0.35
 BEAM_PITCH_M = (1.8, 2.8)
 MULLION_PITCH_M = 0.95
+PIER_LENGTH_M, PIER_DEPTH_M, PIER_GAP_M = (0.4, 1.8), (0.10, 0.40), (0.3, 2.2)
 MULLION_M = 0.05
 TOUCH_M = 1e-6
 
@@ -122,26 +123,21 @@ def _centred(middle: tuple[float, float], size: tuple[float, float]) -> Polygon:
 
 def add_glass_and_beams(building: Building, route: Route, rng: np.random.Generator) -> Building:
     """Area 6's difficulties: glass walls with mullions, beams under the ceilings, piers 10-40 cm before the walls."""
-    building = _with_piers(building, route, rng)
     openings, boxes = list(building.openings), list(building.boxes)
     for index, door in enumerate(building.doors):
         if "C1" in door.spaces and index % 2 == 0:
             panes = _glass_beside(building, door, rng, len(openings))
             openings += panes
             boxes += [box for pane in panes for box in _mullions(pane)]
-    corridor = building.space("C1")
-    boxes += _beams(corridor, rng)
-    return replace(building, openings=tuple(openings), boxes=tuple(boxes))
+    building = _with_piers(replace(building, openings=tuple(openings)), route, rng)
+    return replace(building, boxes=(*boxes, *_beams(building.space("C1"), rng)))
 
 
 def _glass_beside(building: Building, door: Opening, rng: np.random.Generator, count: int) -> list[Opening]:
     """A glass wall in the same wall as a door, on the side that has more room."""
-    room = building.space(next(space for space in door.spaces if space != "C1"))
     along = door.along
-    bounds = room.outline.bounds
-    low, high = bounds[along] + 0.3, bounds[along + 2] - 0.3
-    corridor = _reach_of_wall(building.space("C1"), door)
-    low, high = max(low, corridor[0] + 0.1), min(high, corridor[1] - 0.1)
+    reaches = [_reach_of_wall(building.space(space), door) for space in door.spaces]
+    low, high = max(reach[0] for reach in reaches) + 0.2, min(reach[1] for reach in reaches) - 0.2
     a, b = door.rect.interval(along)
     sides = [(low, a - 0.15), (b + 0.15, high)]
     best = max(sides, key=lambda side: side[1] - side[0])
@@ -153,10 +149,10 @@ def _glass_beside(building: Building, door: Opening, rng: np.random.Generator, c
     return [Opening(f"O{count + 1}", OpeningKind.GLASS_WALL, rect, along, 0.08, 2.25, door.spaces)]
 
 
-def _reach_of_wall(corridor: Space, door: Opening) -> tuple[float, float]:
-    """The straight run of the corridor's wall that holds the door."""
+def _reach_of_wall(space: Space, door: Opening) -> tuple[float, float]:
+    """The straight run of the space's wall that holds the door."""
     along = door.along
-    for run in _all_runs(corridor):
+    for run in _all_runs(space):
         touches = min(abs(run[3] - side) for side in door.rect.interval(1 - along)) < TOUCH_M
         low, high = door.rect.interval(along)
         if run[0] == along and touches and run[1] - TOUCH_M < low and high < run[2] + TOUCH_M:
@@ -204,17 +200,17 @@ def _with_piers(building: Building, route: Route, rng: np.random.Generator) -> B
     """Steps of 10 to 40 cm in the walls of corridors and rooms: planes close to one another."""
     spaces = []
     for space in building.spaces:
-        outline, keep_free = space.outline, keep_out(building, space, route)
-        windows = [o.rect.polygon.buffer(OPENING_ZONE_M) for o in building.openings if space.id in o.spaces]
+        outline, keep_free = space.outline, route.corridor.buffer(CLEAR_OF_PATH_M)
+        zones = [o.rect.polygon.buffer(OPENING_ZONE_M) for o in building.openings if space.id in o.spaces]
         for run in _all_runs(space):
             at = run[1] + float(rng.uniform(0.3, 2.0))
             while at < run[2] - 0.6:
-                length, depth = float(rng.uniform(0.4, 2.2)), float(rng.uniform(0.10, 0.40))
+                length, depth = float(rng.uniform(*PIER_LENGTH_M)), float(rng.uniform(*PIER_DEPTH_M))
                 inward = run if space.outline.contains(against_wall(run, at, 0.1, depth).centroid) else (*run[:4], -run[4])
                 pier = against_wall(inward, round(at, 4), round(length, 4), round(depth, 4))
-                blocked = pier.intersects(keep_free) or any(pier.intersects(w) for w in windows)
+                blocked = pier.intersects(keep_free) or any(pier.intersects(zone) for zone in zones)
                 if not blocked and outline.buffer(1e-6).contains(pier):
                     outline = outline.difference(pier.buffer(1e-7, join_style="mitre"))
-                at += length + float(rng.uniform(0.8, 3.5))
+                at += (0.3 if blocked else length) + float(rng.uniform(*PIER_GAP_M))
         spaces.append(replace(space, outline=outline))
     return replace(building, spaces=tuple(spaces))

@@ -16,6 +16,9 @@ TILT_CORRELATION_S = 5.0
 SIDEWAYS_SHARE = 0.6  # of the scale error's size
 UP_SHARE = 0.15
 UNIT_ERROR = 0.01
+DRAWS = 60
+ORDINARY_SIZE = 2.0  # two percent: what a phone's tracking does
+LARGEST_SIZE = 6.0
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,11 @@ def drifting_odometry(
     `error`: standard deviation of the scale error (0.02 is 2 %), sideways in proportion, or None to size
     the errors so that start and end lie `drift_m` apart. An error of 0 gives the true motion.
     """
-    rates = _draw_rates(walk, rng)
-    size = _size_for_drift(walk, rates, drift_m) if error is None else error / UNIT_ERROR
+    if error is None:
+        rates = _rates_for_drift(walk, drift_m or 0.0, rng)
+        size = _size_for_drift(walk, rates, drift_m or 0.0)
+    else:
+        rates, size = _draw_rates(walk, rng), error / UNIT_ERROR
     tilt = _tilt(walk, rng) * tilt_rad * (0.0 if error == 0 else 1.0)
     start_yaw = float(rng.uniform(-np.pi, np.pi))
     yaw, zero = start_yaw + size * rates.yaw_rad, np.zeros(len(walk))
@@ -94,14 +100,32 @@ def _positions(walk: Walk, rates: ErrorRates, size: float) -> Array:
     return np.asarray(np.cumsum(turned + noise, axis=0))
 
 
-def _size_for_drift(walk: Walk, rates: ErrorRates, drift_m: float | None) -> float:
-    """The size of errors at which the raw drift is `drift_m` (bisection; capped at ten percent)."""
-    goal = drift_m or 0.0
-    low, high = 0.0, 10.0
+def _rates_for_drift(walk: Walk, drift_m: float, rng: np.random.Generator) -> ErrorRates:
+    """A draw whose drift is `drift_m` at an ordinary size: on a closed path most draws cancel out and would need wild ones."""
+    best, best_size = None, np.inf
+    for _ in range(DRAWS):
+        rates = _draw_rates(walk, rng)
+        size = drift_m / _drift(walk, rates, 1.0)  # to first order
+        if best is None or size < best_size:
+            best, best_size = rates, size
+        if best_size < ORDINARY_SIZE:
+            break
+    assert best is not None  # DRAWS is positive
+    return best
+
+
+def _drift(walk: Walk, rates: ErrorRates, size: float) -> float:
+    """Distance of the last position from where it truly is, seen from the first."""
+    end = _positions(walk, rates, size)[-1] - (walk.position_m[-1] - walk.position_m[0])
+    return float(np.linalg.norm(end))
+
+
+def _size_for_drift(walk: Walk, rates: ErrorRates, drift_m: float) -> float:
+    """The size of errors at which the raw drift is `drift_m` (bisection)."""
+    low, high = 0.0, LARGEST_SIZE
     for _ in range(40):
         middle = (low + high) / 2
-        end = _positions(walk, rates, middle)[-1] - (walk.position_m[-1] - walk.position_m[0])
-        low, high = (middle, high) if np.linalg.norm(end) < goal else (low, middle)
+        low, high = (middle, high) if _drift(walk, rates, middle) < drift_m else (low, middle)
     return (low + high) / 2
 
 

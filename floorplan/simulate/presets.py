@@ -23,6 +23,7 @@ class SensorSpec:
 # Fields of view and range: METHOD.md. Noise: within the makers' 1 % at 4 m for the time-of-flight camera, and the
 # usual quadratic of a structured light camera with a 75 mm base line.
 MONSTAR = SensorSpec("pmd-monstar", 352, 287, 100.0, 85.0, 0.25, 6.0, 0.003, 0.0012)
+PHONE = SensorSpec("phone-lidar", 256, 192, 70.7, 56.1, 0.2, 5.0, 0.004, 0.001)
 ASTRA = SensorSpec("orbbec-astra", 640, 400, 60.0, 49.5, 0.5, 6.0, 0.002, 0.0019)
 
 
@@ -61,8 +62,8 @@ PRESETS = {
         Preset("area5", 2, 2, 113.0, 1.32, 5.0),
         # Recorded at 30 Hz; written thinned to every fourth frame.
         Preset("area6", 2, 2, 67.0, 0.73, 7.5, ASTRA, 0.7, (2.2, 2.8), glass=True),
-        Preset("office", 0, 1, 60.0, 0.72, 10.0, corridor_share=0.36),
-        Preset("flat", 0, 1, 30.0, 0.36, 10.0, MONSTAR, 0.3, (1.3, 1.7), (2.4, 3.6), (2.9, 4.2)),
+        Preset("office", 0, 1, 60.0, 0.36, 10.0, corridor_share=0.36),
+        Preset("flat", 0, 1, 30.0, 0.15, 10.0, MONSTAR, 0.3, (1.3, 1.7), (2.4, 3.6), (2.9, 4.2)),
     )
 }
 

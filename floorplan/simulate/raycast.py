@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from floorplan.model.checks import Array
-from floorplan.simulate.surfaces import Surface, SurfaceKind
+from floorplan.simulate.building import SurfaceKind
+from floorplan.simulate.surfaces import Surface
 
 NO_SURFACE = -1
 THREADS = 1  # Embree's result does not depend on it; other work shares the machine
@@ -25,23 +26,23 @@ class RayCaster:
     """Casts against solid surfaces and against panes of glass, which do not hide what is behind them."""
 
     def __init__(self, surfaces: tuple[Surface, ...]) -> None:
-        self._open3d = _open3d()
+        self._open3d = load_open3d()
         self.surfaces = surfaces
         kinds = [surface.kind for surface in surfaces]
         self._solid = np.array([i for i, kind in enumerate(kinds) if kind is not SurfaceKind.GLASS])
-        self._glass = np.array([i for i, kind in enumerate(kinds) if kind is SurfaceKind.GLASS])
+        self.is_glass = np.array([kind is SurfaceKind.GLASS for kind in kinds])
+        self._all = np.arange(len(surfaces))
         self._solid_scene = self._scene(self._solid)
-        self._glass_scene = self._scene(self._glass) if len(self._glass) else None
+        self._first_scene = self._scene(self._all) if self.is_glass.any() else self._solid_scene
 
     def solid(self, origins: Array, directions: Array) -> Hits:
         """First solid surface along each ray: `origins`, `directions` (R, 3)."""
         return self._cast(self._solid_scene, self._solid, origins, directions)
 
-    def glass(self, origins: Array, directions: Array) -> Hits | None:
-        """First pane along each ray; None for a building without glass."""
-        if self._glass_scene is None:
-            return None
-        return self._cast(self._glass_scene, self._glass, origins, directions)
+    def first(self, origins: Array, directions: Array) -> Hits:
+        """First surface along each ray, glass or solid."""
+        rows = self._all if self.is_glass.any() else self._solid
+        return self._cast(self._first_scene, rows, origins, directions)
 
     def _scene(self, rows: Array) -> Any:
         corners = np.stack([self.surfaces[row].corner for row in rows]).astype(np.float32)
@@ -61,7 +62,7 @@ class RayCaster:
         return Hits(distance, np.where(none, NO_SURFACE, surface))
 
 
-def _open3d() -> Any:
+def load_open3d() -> Any:
     """Open3D; its missing libusb comes from the package `libusb-package`, loaded first for all to see."""
     import libusb_package
 

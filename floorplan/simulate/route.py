@@ -146,4 +146,4 @@ def clearance_m(building: Building, points_xy: Array) -> float:
     """The smallest distance from the points (N, 2) to anything solid; negative when one lies inside it."""
     free = walkable(building)
     edge = free.boundary
-    return min(edge.distance(Point(p)) * (1 if free.contains(Point(p)) else -1) for p in points_xy)
+    return min(float(edge.distance(Point(p))) * (1 if free.contains(Point(p)) else -1) for p in points_xy)

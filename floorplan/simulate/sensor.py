@@ -65,8 +65,8 @@ class DepthCamera:
 
     def __init__(self, spec: SensorSpec, pinhole: Pinhole, caster: RayCaster, seed: int, *, biased: bool = False) -> None:
         self.spec, self.pinhole, self.caster, self.seed = spec, pinhole, caster, seed
-        self._rays = pinhole.rays
-        self._ray_length = np.linalg.norm(self._rays, axis=1)
+        self.rays = pinhole.rays
+        self._ray_length = np.linalg.norm(self.rays, axis=1)
         self._normals = np.stack([_normal(surface) for surface in caster.surfaces]).astype(np.float32)
         self._dark = np.array([surface.dark for surface in caster.surfaces])
         self._bias = _fixed_bias(pinhole, seed) if biased else None
@@ -79,7 +79,7 @@ class DepthCamera:
     def shoot(self, position_m: Array, world_from_camera: Array, index: int) -> Shot:
         """The shot of frame `index` from a true pose."""
         rng = np.random.default_rng([self.seed, 77, index])
-        directions = self._rays @ np.asarray(world_from_camera, dtype=np.float32).T
+        directions = self.rays @ np.asarray(world_from_camera, dtype=np.float32).T
         hits = self._through_glass(position_m, directions, rng)
         z = hits.distance  # rays have z = 1, so a ray length is the depth along z
         found = hits.surface != NO_SURFACE
@@ -92,16 +92,15 @@ class DepthCamera:
 
     def _through_glass(self, position_m: Array, directions: Array, rng: np.random.Generator) -> Hits:
         """Most rays go through a pane, a few come back from it, more where it is met head-on."""
-        solid = self.caster.solid(position_m, directions)
-        pane = self.caster.glass(position_m, directions)
-        if pane is None or not np.any(pane.distance < solid.distance):
-            return solid
-        before = np.flatnonzero(pane.distance < solid.distance)
-        head_on = self._cosine(pane.surface[before], directions[before], self._ray_length[before]) > GLASS_FACING_COS
-        share = np.where(head_on, GLASS_ECHO_FACING, GLASS_ECHO)
-        echo = before[rng.random(len(before)) < share]
-        distance, surface = solid.distance.copy(), solid.surface.copy()
-        distance[echo], surface[echo] = pane.distance[echo], pane.surface[echo]
+        first = self.caster.first(position_m, directions)
+        at_pane = np.flatnonzero((first.surface != NO_SURFACE) & self.caster.is_glass[first.surface])
+        if not len(at_pane):
+            return first
+        head_on = self._cosine(first.surface[at_pane], directions[at_pane], self._ray_length[at_pane]) > GLASS_FACING_COS
+        through = at_pane[rng.random(len(at_pane)) >= np.where(head_on, GLASS_ECHO_FACING, GLASS_ECHO)]
+        behind = self.caster.solid(position_m, directions[through])
+        distance, surface = first.distance.copy(), first.surface.copy()
+        distance[through], surface[through] = behind.distance, behind.surface
         return Hits(distance, surface)
 
     def _cosine(self, surface: Array, directions: Array, length: Array) -> Array:

@@ -9,13 +9,12 @@ import numpy as np
 from floorplan.errors import UsageError
 from floorplan.simulate import hard as hard_facts
 from floorplan.simulate.coverage import Coverage
+from floorplan.simulate.formats import format_named
 from floorplan.simulate.odometry import TILT_WANDER_RAD, Odometry, drifting_odometry
 from floorplan.simulate.raycast import RayCaster
 from floorplan.simulate.scene import Scene, draw_scene
-from floorplan.simulate.sensor import DepthCamera, pinhole_of
 from floorplan.simulate.surfaces import surfaces_of
 from floorplan.simulate.truth import truth_of
-from floorplan.simulate.write_tum import TumWriter
 
 Progress = Callable[[int, int], None]
 
@@ -45,18 +44,16 @@ def simulate(
     """
     if out.exists() and any(out.iterdir()):
         raise UsageError(f"{out} is not empty; choose a new folder")
-    if format not in WRITERS:
-        raise UsageError(f"no format '{format}'; choose one of {', '.join(WRITERS)}")
-    scene = draw_scene(preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz)
+    chosen = format_named(format)
+    scene = chosen.scene(draw_scene(preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz))
     odometry = _odometry(scene, seed, hard, odometry_error)
     surfaces = surfaces_of(scene.building)
-    pinhole = pinhole_of(scene.preset.sensor, image_scale)
-    camera = DepthCamera(scene.preset.sensor, pinhole, RayCaster(surfaces), seed, biased=hard)
-    coverage, writer = Coverage(surfaces), WRITERS[format](out, pinhole)
-    rays = pinhole.rays
-    for index, shot in enumerate(camera.shots(scene.walk)):
-        coverage.add(shot.surface, shot.true_m, rays, scene.walk.position_m[index], scene.walk.world_from_camera[index])
-        writer.frame(index, shot.depth_m, shot.true_m)
+    instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
+    coverage = Coverage(surfaces, instrument.rays, chosen.coverage_stride)
+    writer = chosen.writer(out, instrument, seed)
+    for index, shot in enumerate(instrument.shots(scene.walk)):
+        coverage.add(shot.surface, shot.true_m, scene.walk.position_m[index], scene.walk.world_from_camera[index])
+        writer.frame(index, shot)
         progress(index + 1, len(scene.walk))
     writer.finish(scene.walk, odometry)
     (out / "truth.json").write_text(json.dumps(truth_of(scene, coverage), separators=(",", ":")) + "\n")
@@ -71,6 +68,3 @@ def _odometry(scene: Scene, seed: int, hard: bool, error: float | None) -> Odome
     tilt = hard_facts.TILT_WANDER_RAD if hard else TILT_WANDER_RAD
     drift_m = scene.preset.drift_m * float(scene.walk.path_m[-1]) / scene.preset.path_m
     return drifting_odometry(scene.walk, rng, error=error, drift_m=drift_m, tilt_rad=tilt)
-
-
-WRITERS = {"tum": TumWriter}

@@ -86,7 +86,7 @@ def _space_walls(space: Space, openings: list[Opening]) -> list[Surface]:
 def _simplified(points: Array) -> Array:
     """Without points in the middle of a straight run."""
     before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-    return points[np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > TOUCH_M]
+    return np.asarray(points[np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) > TOUCH_M])
 
 
 def _free_on_left(outline: Polygon, start: Array, end: Array) -> bool:
@@ -105,8 +105,8 @@ def _cut_wall(space: Space, kind: SurfaceKind, start: Array, end: Array, opening
 
     def piece(piece_kind: SurfaceKind, a: float, b: float, z: tuple[float, float]) -> None:
         if b - a > TOUCH_M and z[1] - z[0] > TOUCH_M:
-            ends = [np.array([v, offset]) if along == 0 else np.array([offset, v]) for v in (a, b)]
-            found.append(upright(piece_kind, space.id, *(ends if direction > 0 else ends[::-1]), z))
+            first, last = (np.array([v, offset]) if along == 0 else np.array([offset, v]) for v in (a, b))
+            found.append(upright(piece_kind, space.id, *((first, last) if direction > 0 else (last, first)), z))
 
     at = low
     for opening in sorted(_on_face(openings, along, offset, low, high), key=lambda o: o.rect.interval(along)[0]):

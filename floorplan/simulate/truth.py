@@ -6,10 +6,10 @@ import numpy as np
 from shapely.geometry import LineString, Polygon
 
 from floorplan.geometry import quat_xyzw_from_rotation
-from floorplan.simulate.building import Opening, OpeningKind, Space
+from floorplan.simulate.building import Opening, OpeningKind, Space, SurfaceKind
 from floorplan.simulate.coverage import Coverage
 from floorplan.simulate.scene import Scene
-from floorplan.simulate.surfaces import Surface, SurfaceKind
+from floorplan.simulate.surfaces import Surface
 
 SCHEMA = 1
 RETURN_M = 0.05  # start and end closer than this are the same place
@@ -72,10 +72,10 @@ def _face(surface: Surface, coverage: Coverage, index: int) -> dict[str, Any]:
 
 
 def _planes(coverage: Coverage) -> list[dict[str, Any]]:
-    """Distinct planes that carry seen surface, furniture's included: axis, facing, offset, hits."""
+    """Distinct planes that carry seen surface, furniture's and glass included: axis, facing, offset, hits."""
     found: dict[tuple[int, int, float], int] = {}
     for index, surface in enumerate(coverage.surfaces):
-        if surface.axis >= 0 and surface.kind is not SurfaceKind.GLASS and coverage.total[index]:
+        if surface.axis >= 0 and coverage.total[index]:
             key = (surface.axis, surface.facing, _mm(surface.offset))
             found[key] = found.get(key, 0) + int(coverage.total[index])
     return [{"axis": a, "facing": f, "offset": o, "hits": hits} for (a, f, o), hits in sorted(found.items())]

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from floorplan.geometry import quat_xyzw_from_rotation
-from floorplan.model.checks import Array
 from floorplan.simulate.odometry import Odometry
 from floorplan.simulate.png import write_png16
-from floorplan.simulate.sensor import Pinhole
+from floorplan.simulate.sensor import DepthCamera, Shot
+from floorplan.simulate.stamps import seconds_text
 from floorplan.simulate.walk import Walk
 
 DEPTH_SCALE = 1000  # PNG values per metre
@@ -18,17 +18,18 @@ DEPTH_SCALE = 1000  # PNG values per metre
 class TumWriter:
     """Writes depth frame by frame; the small files at the end."""
 
-    def __init__(self, folder: Path, pinhole: Pinhole) -> None:
-        self.folder, self.pinhole = folder, pinhole
+    def __init__(self, folder: Path, instrument: DepthCamera, seed: int) -> None:
+        del seed  # nothing random in this format
+        self.folder, self.pinhole = folder, instrument.pinhole
         (folder / "depth").mkdir(parents=True, exist_ok=True)
 
-    def frame(self, index: int, depth_m: Array, _true_m: Array) -> None:
+    def frame(self, index: int, shot: Shot) -> None:
         """One depth image."""
-        write_png16(self.folder / "depth" / f"{index:06d}.png", depth_m * DEPTH_SCALE)
+        write_png16(self.folder / "depth" / f"{index:06d}.png", shot.depth_m * DEPTH_SCALE)
 
     def finish(self, walk: Walk, odometry: Odometry) -> None:
         """depth.txt, odometry.txt, intrinsics.json."""
-        stamps = [f"{ns // 10**9}.{ns % 10**9:09d}" for ns in walk.stamp_ns.tolist()]
+        stamps = [seconds_text(ns) for ns in walk.stamp_ns.tolist()]
         names = [f"{stamp} depth/{index:06d}.png" for index, stamp in enumerate(stamps)]
         _write(self.folder / "depth.txt", ["# timestamp filename", *names])
         numbers = np.column_stack((odometry.position_m, quat_xyzw_from_rotation(odometry.odom_from_camera)))

@@ -40,10 +40,6 @@ class ChunkStore:
             save_value(making, value)
         return value
 
-    def remove(self) -> None:
-        """Throw all parts away: the stage they belong to is finished."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-
 
 def _key_of(folder: Path) -> str:
     path = folder / "key.json"

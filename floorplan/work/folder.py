@@ -1,6 +1,7 @@
 """The work folder itself: keeps each stage's result under its key, and makes only what is missing or stale."""
 
 import json
+import shutil
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -67,11 +68,16 @@ class WorkFolder:
         return recipe_of(stage, self.config, self.keys, f"{self.owner.format} {self.owner.fingerprint}")
 
     def chunks(self, stage: Stage) -> ChunkStore:
-        """The finished parts of `stage`."""
-        return ChunkStore(self.path / f"{stage.folder}.partial", self.recipe(stage))
+        """The finished parts of `stage`, kept until it is whole; thrown away when it is to be made again."""
+        if self._is_redone(stage):
+            shutil.rmtree(self.path / partial_name(stage), ignore_errors=True)
+        return ChunkStore(self.path / partial_name(stage), self.recipe(stage))
+
+    def _is_redone(self, stage: Stage) -> bool:
+        return self.redo_from is not None and STAGES.index(stage) >= STAGES.index(self.redo_from)
 
     def _why_made(self, stage: Stage, recipe: Recipe) -> str:
-        if self.redo_from is not None and STAGES.index(stage) >= STAGES.index(self.redo_from):
+        if self._is_redone(stage):
             return "made again, as asked for"
         made = read_stage_record(self.path, stage)
         return "not made yet" if made is None else "; ".join(differences(made["recipe"], recipe))
@@ -82,8 +88,14 @@ class WorkFolder:
             save_value(making, value)
             record = {"key": recipe.key, "recipe": recipe.as_json(), "seconds": round(seconds, 3), "counts": counts}
             write_json(making / "stage.json", record)
+        shutil.rmtree(self.path / partial_name(stage), ignore_errors=True)
         numbers = ", ".join(f"{count} {name}" for name, count in counts.items())
         self.reporter.message(f"{stage.folder}  {seconds:.1f} s  {numbers}")
+
+
+def partial_name(stage: Stage) -> str:
+    """The folder that holds the finished chunks of an unfinished stage."""
+    return f"{stage.folder}.partial"
 
 
 def read_stage_record(work: Path, stage: Stage) -> dict[str, Any] | None:

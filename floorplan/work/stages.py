@@ -22,7 +22,7 @@ class Stage:
         return self.folder.split("-", 1)[1]
 
 
-INGEST = Stage("1-ingest", 1, ("ingest",))
+INGEST = Stage("1-ingest", 1, ("read", "ingest"))
 SEGMENTS = Stage("2-segments", 1, ("compass", "segments"), ("1-ingest",))
 LEAST_SQUARES = Stage("3-least-squares", 1, ("tracking", "least_squares"), ("1-ingest", "2-segments"))
 MERGE = Stage("4-merge", 1, ("merge",), ("3-least-squares",))

@@ -1,11 +1,12 @@
 """What a work folder holds: for each stage kept, stale and because of what, or missing."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
 from floorplan.work.disk import size_bytes
-from floorplan.work.folder import Owner, read_stage_record
+from floorplan.work.fingerprint import scan_fingerprint
+from floorplan.work.folder import Owner, partial_name, read_stage_record
 from floorplan.work.recipe import differences, recipe_of
 from floorplan.work.stages import STAGES, Stage
 
@@ -28,6 +29,12 @@ class StageStatus:
     size_bytes: int = 0
 
 
+def current_owner(made_for: Owner, work: Path) -> Owner:
+    """The same owner with the fingerprint its scan has now; unchanged where the scan is no longer there."""
+    scan = Path(made_for.scan)
+    return replace(made_for, fingerprint=scan_fingerprint(scan, work)) if scan.exists() else made_for
+
+
 def stages_status(work: Path, config: object, owner: Owner) -> tuple[StageStatus, ...]:
     """The state of every stage of `work`, were it built now under `config` from `owner`'s scan."""
     keys: dict[str, str] = {}
@@ -40,7 +47,7 @@ def stages_status(work: Path, config: object, owner: Owner) -> tuple[StageStatus
 def _stage_status(work: Path, stage: Stage, config: object, owner: Owner, keys: dict[str, str]) -> StageStatus:
     recipe = recipe_of(stage, config, keys, f"{owner.format} {owner.fingerprint}")
     keys[stage.folder] = recipe.key
-    partial = work / f"{stage.folder}.partial"
+    partial = work / partial_name(stage)
     size = sum(size_bytes(path) for path in (work / stage.folder, partial) if path.exists())
     made = read_stage_record(work, stage)
     if made is None:

@@ -1,1 +1,101 @@
-"""Writers: one file per format, a table."""
+"""Drawings of a plan, one file per format behind one table."""
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from floorplan.config import DrawingConfig, ProjectConfig
+from floorplan.errors import UsageError
+from floorplan.model.plan import Plan
+from floorplan.writers.composition import Composition, compose
+from floorplan.writers.facts import FactRow, SheetFacts
+
+__all__ = ["WRITERS", "FactRow", "SheetFacts", "Writer", "write"]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a format's writer is given."""
+
+    composition: Composition
+    drawing: DrawingConfig
+    project: ProjectConfig
+    facts: SheetFacts
+
+    @property
+    def title(self) -> str:
+        return self.project.name or self.facts.scan or "Floor plan"
+
+
+def _dxf(job: Job) -> bytes:
+    from floorplan.writers.dxf import dxf_bytes
+
+    return dxf_bytes(job.composition, job.drawing.dxf_version, job.project, job.facts)
+
+
+def _svg(job: Job) -> bytes:
+    from floorplan.writers.plan_scene import sheet_scene
+    from floorplan.writers.svg import write_svg
+
+    return write_svg(sheet_scene(job.composition, job.project, job.facts), job.composition.layers, job.title)
+
+
+def _pdf(job: Job) -> bytes:
+    from floorplan.writers.figure import pdf_bytes
+    from floorplan.writers.plan_scene import sheet_scene
+
+    return pdf_bytes(sheet_scene(job.composition, job.project, job.facts), job.composition.layers, job.title)
+
+
+def _png(job: Job) -> bytes:
+    from floorplan.writers.figure import png_bytes
+    from floorplan.writers.plan_scene import sheet_scene
+
+    return png_bytes(sheet_scene(job.composition, job.project, job.facts), job.composition.layers)
+
+
+@dataclass(frozen=True)
+class Writer:
+    """One row of the table: `make` gives the bytes of the file."""
+
+    name: str
+    description: str
+    make: Callable[[Job], bytes]
+
+
+_TABLE = (
+    Writer("dxf", "CAD drawing: plan in model space, sheet in paper space (R2000 to R2018)", _dxf),
+    Writer("svg", "the sheet in true millimetres, one group per layer", _svg),
+    Writer("pdf", "the sheet, vector, at true scale", _pdf),
+    Writer("png", "the sheet as a picture", _png),
+)
+WRITERS = {writer.name: writer for writer in _TABLE}
+
+
+def write(name: str, plan: Plan, path: Path, drawing: DrawingConfig, project: ProjectConfig, facts: SheetFacts) -> None:
+    """Write `plan` in the format called `name` (a key of `WRITERS`): the file appears whole or not at all.
+
+    Raises UsageError for an unknown format, ConfigError for drawing settings that do not exist or do not fit.
+    """
+    if name not in WRITERS:
+        raise UsageError(f"format {name!r}: this program writes {', '.join(WRITERS)}")
+    write_atomically(path, WRITERS[name].make(Job(compose(plan, drawing), drawing, project, facts)))
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Written beside, then renamed: a reader never sees half a file. Raises UsageError when the folder cannot be written."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor, beside = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be written ({error.strerror}); choose another folder") from error
+    try:
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(content)
+        os.chmod(beside, 0o644)
+        os.replace(beside, path)
+    except OSError as error:
+        Path(beside).unlink(missing_ok=True)
+        raise UsageError(f"{path}: cannot be written ({error.strerror}); free some space or choose another folder") from error

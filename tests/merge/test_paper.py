@@ -22,11 +22,11 @@ WRONG_SIDE = graph_along_x([1.0], [(0, 0, 0.1), (1, 0, 0.1), (0, 1, 1.9), (0, 1,
 
 
 def problem_of(graph: LayoutGraph, radius_m: float = 1.0, eps: float = 0.02) -> PaperProblem:
-    return paper_problem(graph, least_squares(graph, LeastSquaresConfig()), radius_m, eps)
+    return paper_problem(graph, least_squares(graph, LeastSquaresConfig(method="plain")), radius_m, eps)
 
 
 def merged(graph: LayoutGraph, **settings: float | str) -> MergeResult:
-    return merge(graph, least_squares(graph, LeastSquaresConfig()), MergeConfig(method="paper", **settings))
+    return merge(graph, least_squares(graph, LeastSquaresConfig(method="plain")), MergeConfig(method="paper", **settings))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -124,4 +124,4 @@ def test_an_unknown_method_or_engine_is_an_error_of_use() -> None:
     with pytest.raises(ConfigError, match="engine"):
         merged(TWO_PLANES, engine="abacus")
     with pytest.raises(ConfigError, match="method"):
-        merge(TWO_PLANES, least_squares(TWO_PLANES, LeastSquaresConfig()), MergeConfig(method="abacus"))
+        merge(TWO_PLANES, least_squares(TWO_PLANES, LeastSquaresConfig(method="plain")), MergeConfig(method="abacus"))

@@ -86,7 +86,7 @@ def test_a_recording_with_too_many_damaged_images_is_refused(tmp_path: Path) -> 
     folder = write_tum(tmp_path, Walk())
     for i in range(4):
         (folder / f"depth/{i}.png").write_bytes(b"no image")
-    with pytest.raises(InputError, match="png-unreadable"):
+    with pytest.raises(InputError, match="too-many-unreadable: 4 of 12"):
         ingest(open_scan(folder), IngestConfig())
 
 

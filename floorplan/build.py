@@ -1,0 +1,79 @@
+"""The whole job, in one function: read this first."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from floorplan.chunked_segments import segment_in_chunks
+from floorplan.config import Config
+from floorplan.config_file import config_to_toml
+from floorplan.drawings import Drawing, write_drawings
+from floorplan.ingest import ingest
+from floorplan.initial_layout import InitialLayout, initial_layout
+from floorplan.merge import merge
+from floorplan.model.graph import LayoutSolution, MergeResult
+from floorplan.model.plan import Plan
+from floorplan.model.scan import IngestedScan
+from floorplan.model.segment import SegmentedScan
+from floorplan.plan import make_plan
+from floorplan.readers import Source, open_scan
+from floorplan.reporting import Reporter, SilentReporter
+from floorplan.resolve import resolve
+from floorplan.results import Results, write_root_files
+from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
+from floorplan.trajectory import keyframe_trajectory
+from floorplan.work.disk import new_file
+from floorplan.work.fingerprint import scan_fingerprint
+from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
+from floorplan.work.lock import locked
+from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to build: the scan, where to keep its stages, which ones to make again or stop at, what to draw.
+
+    `work` defaults to the scan's name with `.floorplan` beside it; `format` None is sniffed; `jobs` threads.
+    """
+
+    scan: Path
+    work: Path
+    config: Config = field(default_factory=Config)
+    format: str | None = None
+    redo_from: Stage | None = None
+    until: Stage | None = None
+    drawings: tuple[Drawing, ...] = ()
+    jobs: int = 1
+
+
+def build(job: Job, reporter: Reporter | None = None) -> Results | None:
+    """Scan to plan; None when `job.until` stops before the plan. Raises `FloorplanError` for all a user can mend."""
+    config, reporter = job.config, reporter or SilentReporter()
+    source = open_scan(job.scan, job.format, config.read)
+    with _opened_work(job, source, reporter) as work, suppress(UntilReached):
+        scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress("gravity")), count_scan)
+        segmented = work.stage(SEGMENTS, SegmentedScan, lambda: segment_in_chunks(source, scan, config, work, job.jobs), count_segments)
+        layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
+        merged = work.stage(MERGE, MergeResult, lambda: merge(layout.graph, layout.least_squares, config.merge), count_merge)
+        solution = work.stage(RESOLVE, LayoutSolution, lambda: resolve(layout.graph, merged, config.resolve), count_solution)
+        keyframes = keyframe_trajectory(scan, segmented.frames.world_from_sensor, solution.position_m)
+        plan = work.stage(PLAN, Plan, lambda: make_plan(scan, segmented, layout.tracks, solution, keyframes, config.plan), count_plan)
+        results = Results(scan, segmented, layout, merged, solution, plan)
+        table = write_root_files(results, job.scan, work.path, config)
+        write_drawings(results, table, job.scan, job.drawings, config, reporter)
+        return results
+    return None
+
+
+@contextmanager
+def _opened_work(job: Job, source: Source, reporter: Reporter) -> Iterator[WorkFolder]:
+    """The work folder of this scan, locked, with the effective configuration beside the stages."""
+    owner = Owner(str(job.scan.resolve()), source.recording.format, scan_fingerprint(job.scan, job.work))
+    claim(job.work, owner)
+    with locked(job.work) as left_behind:
+        if left_behind is not None:
+            reporter.message(f"a build that ended early ({left_behind}) left this folder; going on from there")
+        with new_file(job.work / "config.toml") as making:
+            making.write_text(config_to_toml(job.config), "utf-8")
+        yield WorkFolder(job.work, owner, job.config, job.redo_from, job.until, reporter)

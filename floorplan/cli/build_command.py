@@ -1,0 +1,76 @@
+"""`floorplan build`."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from floorplan.cli import options as o
+from floorplan.cli.console import ConsoleReporter, echo, echo_table
+
+if TYPE_CHECKING:
+    from floorplan.build import Job
+    from floorplan.results import Results
+
+NAMED_DIMENSIONS = 12  # as many are listed; the rest are in the drawing
+
+
+def build(
+    scan: o.Scan,
+    dxf: o.Dxf = None,
+    svg: o.Svg = None,
+    pdf: o.Pdf = None,
+    png: o.Png = None,
+    json: o.JsonFile = None,
+    geojson: o.GeoJson = None,
+    report: o.Report = None,
+    work: Annotated[Path | None, typer.Option("--work", metavar="DIR", help="Work folder (default: SCAN.floorplan).")] = None,
+    config: o.ConfigFile = None,
+    settings: o.Settings = None,
+    from_stage: Annotated[str | None, typer.Option("--from", metavar="STAGE", help="Make this stage and what follows again.")] = None,
+    until_stage: Annotated[str | None, typer.Option("--until", metavar="STAGE", help="Stop after this stage.")] = None,
+    format: o.Format = None,
+    units: o.Units = None,
+    scale: o.Scale = None,
+    sheet: o.Sheet = None,
+    jobs: o.Jobs = 0,
+    quiet: o.Quiet = False,
+    verbose: o.Verbose = False,
+) -> None:
+    """Scan to plan: the whole job. Finished stages are kept, so giving the command again is cheap."""
+    from floorplan.work.stages import stage_named
+
+    reporter = ConsoleReporter(quiet, verbose)
+    effective = o.effective_config(config, settings, units=units, scale=scale, sheet=sheet)
+    redo_from = stage_named(from_stage) if from_stage else None
+    until = stage_named(until_stage) if until_stage else None
+    o.check_scan(scan)
+    from floorplan.build import Job
+    from floorplan.build import build as run
+
+    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    job = Job(scan, work or o.default_work(scan), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
+    results = run(job, reporter)
+    if results is not None and not quiet:
+        _print_numbers(job, results)
+
+
+def _print_numbers(job: "Job", results: "Results") -> None:
+    plan = results.plan
+    for problem in results.scan.recording.problems:
+        typer.echo(f"note: {problem.code}: {problem.message} ({problem.count}x, first: {problem.where})", err=True)
+    echo_table(
+        [
+            ("rooms", str(len(plan.rooms)), f"{sum(room.area_m2 for room in plan.rooms):.1f} m2 in all"),
+            ("walls", str(len(plan.walls)), f"{len(plan.free_lines)} more off the axes"),
+            ("openings", str(len(plan.openings)), ""),
+            ("planes", str(len(plan.planes)), f"from {len(results.layout.tracks.axis)} initial ones ({results.merged.method})"),
+            ("dimensions", str(len(plan.dimensions)), ""),
+        ]
+    )
+    echo_table((d.id, f"{d.distance_m:.3f} m", f"+-{1.96 * d.sigma_m:.3f}", d.room) for d in plan.dimensions[:NAMED_DIMENSIONS])
+    for note in plan.notes:
+        echo(f"note: {note}")
+    for file in (*(drawing.path for drawing in job.drawings), job.work):
+        echo(str(file))

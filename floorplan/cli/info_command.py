@@ -1,0 +1,55 @@
+"""`floorplan info`."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from floorplan.cli import options as o
+from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+
+if TYPE_CHECKING:
+    from floorplan.inspection import Inspection
+
+
+def info(
+    scan: o.Scan,
+    config: o.ConfigFile = None,
+    settings: o.Settings = None,
+    format: o.Format = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+) -> None:
+    """What is in a recording, and what 'build' would complain about."""
+    effective = o.effective_config(config, settings)
+    o.check_scan(scan)
+    from floorplan.inspection import inspect_scan
+    from floorplan.readers import open_scan
+
+    source = open_scan(scan, format, effective.read)
+    facts = inspect_scan(source, effective.ingest, ConsoleReporter(quiet).progress("looking"))
+    if as_json:
+        echo_json(asdict(facts))
+    else:
+        _print_facts(facts)
+
+
+def _print_facts(facts: "Inspection") -> None:
+    wander = "" if facts.gravity_wander_deg is None else f", wanders {facts.gravity_wander_deg:.1f} degrees"
+    rows = [
+        ("format", facts.format),
+        ("sensor", f"{facts.sensor}, {facts.width} x {facts.height}"),
+        ("frames", f"{facts.frames} at {facts.rate_hz:.1f} Hz, of which {facts.keyframes} would be looked at"),
+        ("time", f"{facts.duration_s:.1f} s, stamps {facts.first_stamp_s:.3f} to {facts.last_stamp_s:.3f}"),
+        ("gaps", f"{facts.gaps}, the longest {facts.longest_gap_s:.1f} s" if facts.gaps else "none"),
+        ("path", f"{facts.path_length_m:.1f} m"),
+        ("gravity", facts.gravity_source + wander),
+    ]
+    if (lens := facts.intrinsics) is not None:
+        rows.append(("intrinsics", f"fx {lens.fx:.2f}, fy {lens.fy:.2f}, cx {lens.cx:.2f}, cy {lens.cy:.2f} pixels of the depth image"))
+    if facts.median_range_m is not None and facts.filled_share is not None:
+        rows.append(("ranges", f"median {facts.median_range_m:.2f} m, {100 * facts.filled_share:.0f} % of pixels filled"))
+    echo_table(rows)
+    for problem in facts.problems:
+        grade = "stops the build" if problem.fatal else "note"
+        echo(f"{grade}: {problem.code}: {problem.message} ({problem.count}x, first: {problem.where}); {problem.advice}")
+    if not facts.problems:
+        echo("nothing to complain about")

@@ -1,0 +1,61 @@
+"""Options that several commands share, each with its help text once."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from floorplan.config import Config
+    from floorplan.drawings import Drawing
+
+Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="The recording: a folder, or a laser log.", show_default=False)]
+Work = Annotated[Path, typer.Argument(metavar="WORK", help="The work folder of a build.", show_default=False)]
+Format = Annotated[str | None, typer.Option("--format", metavar="NAME", help="Format of the recording (default: recognised).")]
+ConfigFile = Annotated[Path | None, typer.Option("--config", metavar="F.toml", help="Settings file; see 'floorplan config'.")]
+Settings = Annotated[list[str] | None, typer.Option("--set", metavar="SECTION.KEY=VALUE", help="Change one setting (repeatable).")]
+AsJson = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Errors only.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more: why each stage is made.")]
+Jobs = Annotated[int, typer.Option("--jobs", "-j", min=0, metavar="N", help="Threads for reading and segmenting; 0: one per core.")]
+Dxf = Annotated[Path | None, typer.Option("--dxf", metavar="FILE", help="CAD drawing.")]
+Svg = Annotated[Path | None, typer.Option("--svg", metavar="FILE", help="Drawing in true millimetres.")]
+Pdf = Annotated[Path | None, typer.Option("--pdf", metavar="FILE", help="Sheet to print.")]
+Png = Annotated[Path | None, typer.Option("--png", metavar="FILE", help="Picture.")]
+JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="The plan as data.")]
+GeoJson = Annotated[Path | None, typer.Option("--geojson", metavar="FILE", help="The plan for GIS.")]
+Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="One offline HTML page.")]
+Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="Units of the drawing.")]
+Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
+Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]
+
+
+def effective_config(path: Path | None, settings: list[str] | None, **drawing: str | None) -> "Config":
+    """The configuration of the file, `--set`, and the options that are short for settings of `[drawing]`."""
+    from floorplan.config_file import load_config
+
+    short = [f"drawing.{name}={value}" for name, value in drawing.items() if value is not None]
+    return load_config(path, [*(settings or []), *short])
+
+
+def asked_drawings(**files: Path | None) -> tuple["Drawing", ...]:
+    """The drawings asked for, checked: format name = file."""
+    from floorplan.drawings import Drawing, check_drawings
+
+    drawings = tuple(Drawing(name, path) for name, path in files.items() if path is not None)
+    check_drawings(drawings)
+    return drawings
+
+
+def default_work(scan: Path) -> Path:
+    """The scan's name with `.floorplan`, beside it."""
+    whole = scan.resolve()
+    return whole.with_name(whole.name + ".floorplan")
+
+
+def check_scan(scan: Path) -> None:
+    """Raise `InputError` at once, before anything heavy is loaded, when there is nothing at `scan`."""
+    from floorplan.errors import InputError
+
+    if not scan.exists():
+        raise InputError(f"{scan}: no such file or folder; give the folder that holds the recording, or the log file")

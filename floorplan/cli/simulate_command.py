@@ -1,0 +1,39 @@
+"""`floorplan simulate`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from floorplan.cli import options as o
+from floorplan.cli.console import ConsoleReporter, echo
+
+
+def simulate(
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The folder to write; new or empty.", show_default=False)],
+    preset: Annotated[str, typer.Option("--preset", metavar="NAME", help="area1 .. area6, office, flat.")] = "flat",
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Another number, another building.")] = 1,
+    hard: Annotated[bool, typer.Option("--hard", help="Depth biases, more drift, tall cabinets, open doors.")] = False,
+    format: Annotated[str, typer.Option("--format", metavar="NAME", help="tum, stray or carmen.")] = "tum",
+    path_scale: Annotated[float, typer.Option("--path-scale", min=0.05, metavar="X", help="Longer building and walk.")] = 1.0,
+    odometry_error: Annotated[float | None, typer.Option("--odometry-error", min=0.0, metavar="X", help="0.02 is 2 %.")] = None,
+    rate_hz: Annotated[float | None, typer.Option("--rate", min=0.1, metavar="HZ", help="Frames per second.")] = None,
+    image_scale: Annotated[float, typer.Option("--image-scale", min=0.05, metavar="X", help="Smaller or larger images.")] = 1.0,
+    quiet: o.Quiet = False,
+) -> None:
+    """An exact building, a walked scan of it, and its truth."""
+    from floorplan.simulate import simulate as run
+
+    run(
+        out,
+        preset,
+        seed,
+        hard=hard,
+        format=format,
+        path_scale=path_scale,
+        odometry_error=odometry_error,
+        rate_hz=rate_hz,
+        image_scale=image_scale,
+        progress=ConsoleReporter(quiet).progress("simulate"),
+    )
+    echo(str(out))

@@ -1,0 +1,58 @@
+"""`floorplan status` and `floorplan export`: what a work folder holds, and drawings from it again."""
+
+from dataclasses import asdict
+
+from floorplan.cli import options as o
+from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.errors import UsageError
+
+
+def status(work: o.Work, config: o.ConfigFile = None, settings: o.Settings = None, as_json: o.AsJson = False) -> None:
+    """The stages: kept, stale (and because of what), missing; seconds and sizes.
+
+    Without --config and --set, the settings of the last build hold.
+    """
+    from floorplan.work.folder import read_owner
+    from floorplan.work.status import current_owner, stages_status
+
+    made_for = read_owner(work)
+    effective = o.effective_config(config or work / "config.toml", settings)
+    states = stages_status(work, effective, current_owner(made_for, work))
+    if as_json:
+        echo_json({"scan": made_for.scan, "format": made_for.format, "stages": [asdict(state) for state in states]})
+        return
+    echo(f"{made_for.scan} ({made_for.format})")
+    echo_table(
+        (s.folder, s.state, "" if s.seconds is None else f"{s.seconds:.1f} s", f"{s.size_bytes / 1e6:.1f} MB", "; ".join(s.reasons))
+        for s in states
+    )
+
+
+def export(
+    work: o.Work,
+    dxf: o.Dxf = None,
+    svg: o.Svg = None,
+    pdf: o.Pdf = None,
+    png: o.Png = None,
+    json: o.JsonFile = None,
+    geojson: o.GeoJson = None,
+    report: o.Report = None,
+    config: o.ConfigFile = None,
+    settings: o.Settings = None,
+    units: o.Units = None,
+    scale: o.Scale = None,
+    sheet: o.Sheet = None,
+    quiet: o.Quiet = False,
+) -> None:
+    """Write drawings again from finished stages; never recomputes."""
+    from floorplan.export import export as run
+    from floorplan.work.folder import read_owner
+
+    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    if not drawings:
+        raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json, --geojson, --report")
+    read_owner(work)
+    effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet)
+    run(work, effective, drawings, ConsoleReporter(quiet))
+    for drawing in drawings:
+        echo(str(drawing.path))

@@ -1,0 +1,81 @@
+"""The drawings a build was asked for: which writer, which file, and what the sheet says about the scan."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from floorplan import __version__
+from floorplan.config import Config
+from floorplan.errors import UsageError
+from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
+from floorplan.reporting import Reporter
+from floorplan.results import Results
+from floorplan.summary import Summary
+from floorplan.work.disk import clear_disk_errors, new_file
+
+if TYPE_CHECKING:
+    from floorplan.writers.facts import SheetFacts
+
+EARLIEST_CLOCK_S = 946_684_800  # 2000-01-01: smaller stamps count from some other beginning than 1970
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """One file to draw: `format` names the writer."""
+
+    format: str
+    path: Path
+
+
+def check_drawings(drawings: tuple[Drawing, ...]) -> None:
+    """Raise `UsageError` before any work is done when a drawing could not be written at the end."""
+    for drawing in drawings:
+        if not drawing.path.parent.is_dir():
+            raise UsageError(f"{drawing.path}: there is no folder {drawing.path.parent}; make it first")
+        if drawing.path.is_dir():
+            raise UsageError(f"{drawing.path} is a folder; give the name of a file")
+
+
+def write_drawings(results: Results, table: Summary, scan: Path, drawings: tuple[Drawing, ...], config: Config, reporter: Reporter) -> None:
+    """Write every drawing; each file is whole or not there."""
+    if not drawings:
+        return
+    from floorplan import writers
+
+    facts = sheet_facts(results, table, scan)
+    for drawing in drawings:
+        with clear_disk_errors(drawing.path), new_file(drawing.path) as making:
+            writers.write(drawing.format, results.plan, making, config.drawing, config.project, facts)
+        reporter.message(f"wrote {drawing.path}")
+
+
+def sheet_facts(results: Results, table: Summary, scan: Path) -> "SheetFacts":
+    """What the sheet says about the scan it was made from."""
+    from floorplan.writers.facts import FactRow, SheetFacts
+
+    recording = results.scan.recording
+    rows = (
+        FactRow("Format", recording.format),
+        FactRow("Gravity", recording.gravity_source.value),
+        FactRow("Frames", f"{table.frames}, of which {table.keyframes} were looked at"),
+        FactRow("Duration", f"{table.duration_s:.1f} s"),
+        FactRow("Planes", f"{table.initial_planes} seen, {table.final_planes} after merging ({table.merge_method})"),
+    )
+    return SheetFacts(
+        scan=scan.name,
+        date=_date(results.scan),
+        software=f"floorplan {__version__}",
+        frames=table.frames,
+        path_m=table.path_length_m,
+        drift_m=table.drift.final_m if table.drift else None,
+        rows=rows,
+        problems=tuple(f"{p.code}: {p.message} ({p.count})" for p in recording.problems),
+        unseen=results.plan.notes,
+    )
+
+
+def _date(scan: IngestedScan) -> str:
+    """Day of the recording (ISO), empty where the stamps do not count from 1970."""
+    seconds = int(scan.recording.stamp_ns[0]) // NANOSECONDS_PER_SECOND
+    return datetime.fromtimestamp(seconds, UTC).date().isoformat() if seconds > EARLIEST_CLOCK_S else ""

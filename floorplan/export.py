@@ -1,0 +1,51 @@
+"""Drawings again from the finished stages of a work folder; nothing is computed."""
+
+from pathlib import Path
+from typing import TypeVar
+
+from floorplan.config import Config
+from floorplan.drawings import Drawing, write_drawings
+from floorplan.errors import WorkFolderError
+from floorplan.initial_layout import InitialLayout
+from floorplan.model.graph import LayoutSolution, MergeResult
+from floorplan.model.plan import Plan
+from floorplan.model.scan import IngestedScan
+from floorplan.model.segment import SegmentedScan
+from floorplan.reporting import Reporter
+from floorplan.results import Results, summary, trajectories
+from floorplan.work.folder import read_owner
+from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
+from floorplan.work.status import StageState, current_owner, stages_status
+from floorplan.work.values import load_value
+
+T = TypeVar("T")
+
+
+def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter) -> None:
+    """Write `drawings` from the stages of `work` as they are. Raises `WorkFolderError` when one is missing."""
+    owner = read_owner(work)
+    results = read_results(work)
+    for state in stages_status(work, config, current_owner(owner, work)):
+        if state.state is StageState.STALE:
+            reporter.message(f"note: {state.folder} is stale ({'; '.join(state.reasons)}); 'floorplan build' would make it again")
+    scan = Path(owner.scan)
+    table = summary(results, trajectories(results), scan, work, config)
+    write_drawings(results, table, scan, drawings, config, reporter)
+
+
+def read_results(work: Path) -> Results:
+    """The values of all six stages. Raises `WorkFolderError` naming the first one that is not finished."""
+    return Results(
+        scan=_finished(work, INGEST, IngestedScan),
+        segmented=_finished(work, SEGMENTS, SegmentedScan),
+        layout=_finished(work, LEAST_SQUARES, InitialLayout),
+        merged=_finished(work, MERGE, MergeResult),
+        solution=_finished(work, RESOLVE, LayoutSolution),
+        plan=_finished(work, PLAN, Plan),
+    )
+
+
+def _finished(work: Path, stage: Stage, kind: type[T]) -> T:
+    if not (work / stage.folder / "stage.json").exists():
+        raise WorkFolderError(f"{work}: stage {stage.folder} is not finished; run 'floorplan build' on the scan first")
+    return load_value(work / stage.folder, kind)

@@ -1,0 +1,110 @@
+"""`merge.method = "evidence"`: tracks are one plane where that is the likelier story, with every number kept."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from floorplan.chain import solve_planes
+from floorplan.config import MergeConfig
+from floorplan.merge.evidence_bias import bias_sigma_m
+from floorplan.merge.evidence_greedy import Question, decide
+from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
+from floorplan.merge.evidence_verdicts import join_hypotheses, system_hypotheses
+from floorplan.merge.hypotheses import Pairs
+from floorplan.model.checks import Array
+from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult
+from floorplan.model.noise import ScanNoise
+from floorplan.noise import estimate_noise
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, AxisSystem, build_system, positions
+from floorplan.weighted_resolve import weighted_resolve
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """One system solved before any merge: its planes (bias not yet in the covariance) and positions (N, len(axes))."""
+
+    system: AxisSystem
+    planes: Planes
+
+
+def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
+    """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence"."""
+    noise = least_squares.noise or estimate_noise(graph)
+    solved_systems = _solved_systems(graph, noise)
+    noise = replace(noise, bias_sigma_m=max((bias_sigma_m(s.planes) for s in solved_systems), default=0.0))
+    label, parts = np.arange(len(graph.axis)), []
+    for state in solved_systems:
+        planes = _with_bias(state.planes, noise.bias_sigma_m)
+        pairs, question = _question(graph, noise, planes)
+        first_round = decide(question, planes.covariance_m2)
+        question = replace(question, log_prior=log_prior(planes, pairs, question.variance_m2, first_round.plane))
+        decision = decide(question, planes.covariance_m2)
+        label[planes.tracks] = planes.tracks[decision.plane]
+        parts.append(system_hypotheses(planes, pairs, question, decision))
+    plane_of_track = _numbered(label)
+    return _result(graph, noise, plane_of_track, join_hypotheses(parts))
+
+
+def _solved_systems(graph: LayoutGraph, noise: ScanNoise) -> list[_Solved]:
+    systems = [build_system(graph, noise, axes) for axes in (LEVEL_AXES, UPRIGHT_AXES) if np.isin(graph.axis, axes).any()]
+    solved = [solve_planes(system.reduced) for system in systems]
+    place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
+    dead = place.copy()
+    for system, (columns, _) in zip(systems, solved, strict=True):
+        place[:, list(system.axes)] = positions(system, columns)
+    extent = graph.extent_m + _mean_shift(graph, place - dead)[:, :, None]
+    return [
+        _Solved(system, _planes(graph, system, columns, covariance, extent))
+        for system, (columns, covariance) in zip(systems, solved, strict=True)
+    ]
+
+
+def _mean_shift(graph: LayoutGraph, correction: Array) -> Array:
+    """Mean correction (M, 3) of the frames that saw each track: extents are in dead-reckoned coordinates."""
+    seen = np.maximum(np.bincount(graph.track, minlength=len(graph.axis)), 1)
+    sums = [np.bincount(graph.track, correction[graph.frame, k], len(graph.axis)) for k in range(3)]
+    return np.asarray(np.stack(sums, axis=1) / seen[:, None])
+
+
+def _planes(graph: LayoutGraph, system: AxisSystem, columns: Array, covariance: Array, extent_m: Array) -> Planes:
+    tracks, count = system.tracks, len(system.tracks)
+    return Planes(tracks, graph.axis[tracks], graph.facing[tracks], columns[:count], covariance[:count, :count], extent_m[tracks])
+
+
+def _with_bias(planes: Planes, bias_m: float) -> Planes:
+    return replace(planes, covariance_m2=planes.covariance_m2 + bias_m**2 * np.eye(len(planes.tracks)))
+
+
+def _question(graph: LayoutGraph, noise: ScanNoise, planes: Planes) -> tuple[Pairs, Question]:
+    pairs = gated_pairs(planes)
+    variance = pair_variance_m2(planes, pairs)
+    apart = seen_apart(graph, noise.sigma_m, noise.bias_sigma_m, planes)
+    count = len(planes.tracks)
+    barred = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
+    delta = planes.offset_m[pairs.first] - planes.offset_m[pairs.second]
+    return pairs, Question(pairs.first, pairs.second, delta, variance, log_prior(planes, pairs, variance, None), barred)
+
+
+def _numbered(label: Array) -> Array:
+    """Labels 0..L-1 in order of their first track."""
+    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return np.asarray(rank[inverse])
+
+
+def _result(graph: LayoutGraph, noise: ScanNoise, plane_of_track: Array, hypotheses: Hypotheses) -> MergeResult:
+    solved = weighted_resolve(graph, plane_of_track, noise)
+    offset = solved.plane_offset_m[plane_of_track]
+    return MergeResult(
+        method="evidence",
+        hypotheses=hypotheses,
+        plane_of_track=plane_of_track,
+        track_offset_m=offset,
+        position_m=solved.position_m,
+        objective=float(np.abs(offset[hypotheses.first] - offset[hypotheses.second]).sum()),
+        delta_m=solved.residual_m,
+        residual_m=solved.residual_m,
+        noise=noise,
+    )
+

@@ -1,0 +1,43 @@
+"""What a scan says about its own errors: the odometry's drift and the weight of every measurement row."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.model.checks import Array, freeze
+
+
+@dataclass(frozen=True)
+class DriftModel:
+    """How far odometry can be trusted; all standard deviations.
+
+    `rate_m_per_sqrt_m` white error of a step of 1 m (grows with the root of the path); `scale_sigma` and `sideways_sigma`
+    sizes of the slowly varying rates along and across the step (parts of the step), correlated over
+    `correlation_m` of path; `global_scale_sigma` prior of the one scale error of the whole scan.
+    """
+
+    rate_m_per_sqrt_m: float
+    scale_sigma: float
+    sideways_sigma: float
+    correlation_m: float = 20.0
+    global_scale_sigma: float = 0.05
+
+
+@dataclass(frozen=True)
+class ScanNoise:
+    """Noise of one layout graph with K rows.
+
+    `sigma_m (K,)` effective standard deviation of every measurement (down-weighted rows have a larger one, rejected
+    rows infinity); `bias_sigma_m` error that all rows of one track share; `drift` of x and y; `vertical_rate_m_per_sqrt_m`
+    white odometry error of z; `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more.
+    """
+
+    sigma_m: Array
+    bias_sigma_m: float
+    drift: DriftModel
+    vertical_rate_m_per_sqrt_m: float
+    flipped: int = 0
+    outliers: int = 0
+
+    def __post_init__(self) -> None:
+        freeze(self, {"sigma_m": (np.float64, ("K",))})

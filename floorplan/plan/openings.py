@@ -1,0 +1,107 @@
+"""Doors, passages and windows: gaps that rays or the walker went through, with width, head and sill."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from shapely.geometry import LineString
+
+from floorplan.config import PlanConfig
+from floorplan.model.checks import Array
+from floorplan.model.plan import Opening, OpeningKind, Point
+from floorplan.plan.corners import FaceRun
+from floorplan.plan.gaps import OPEN_SHARE, Gap
+
+EDGE_SIGMA_M = 0.005  # of one jamb: the grain of the fine ray counts
+MIN_SHARED = 0.5  # two gaps of the two faces of a wall are one opening when they share this much of the narrower
+
+
+@dataclass(frozen=True)
+class GapGroup:
+    """The gaps of one opening: of one face of a wall or of both."""
+
+    gaps: tuple[Gap, ...]
+
+
+def find_openings(
+    gaps: tuple[Gap, ...], faces: tuple[FaceRun, ...], path_xy_m: Array, bodies: set[int], config: PlanConfig
+) -> tuple[Opening, ...]:
+    """Openings O1.. from the gaps of wall faces; `bodies` are the faces that have a partner, `path_xy_m (F, 2)` where the sensor went."""
+    path = LineString(path_xy_m) if len(path_xy_m) > 1 else LineString()
+    openings = []
+    for group in _groups([gap for gap in gaps if _may_open(gap, config)], faces, config):
+        opening = _opening(len(openings) + 1, group, faces, path, bodies, config)
+        if opening is not None:
+            openings.append(opening)
+    return tuple(openings)
+
+
+def _may_open(gap: Gap, config: PlanConfig) -> bool:
+    wide_enough = config.min_door_width_m <= gap.width_m <= config.max_opening_width_m
+    return wide_enough and gap.passed >= OPEN_SHARE
+
+
+def _groups(gaps: list[Gap], faces: tuple[FaceRun, ...], config: PlanConfig) -> list[GapGroup]:
+    """Gaps of opposite faces of one wall taken together."""
+    groups: list[GapGroup] = []
+    for gap in gaps:
+        for k, group in enumerate(groups):
+            if any(_one_opening(gap, other, faces, config) for other in group.gaps):
+                groups[k] = GapGroup((*group.gaps, gap))
+                break
+        else:
+            groups.append(GapGroup((gap,)))
+    return groups
+
+
+def _one_opening(a: Gap, b: Gap, faces: tuple[FaceRun, ...], config: PlanConfig) -> bool:
+    first, second = faces[a.face], faces[b.face]
+    near = first.axis == second.axis and abs(first.offset_m - second.offset_m) <= config.max_thickness_m
+    shared = min(a.end_m, b.end_m) - max(a.start_m, b.start_m)
+    return near and shared > MIN_SHARED * min(a.width_m, b.width_m)
+
+
+def _opening(
+    number: int, group: GapGroup, faces: tuple[FaceRun, ...], path: LineString, bodies: set[int], config: PlanConfig
+) -> Opening | None:
+    gaps = group.gaps
+    offsets = [faces[gap.face].offset_m for gap in gaps]
+    start, end = float(np.mean([gap.start_m for gap in gaps])), float(np.mean([gap.end_m for gap in gaps]))
+    axis = faces[gaps[0].face].axis
+    middle, across = (start + end) / 2, (min(offsets) + max(offsets)) / 2
+    centre = (across, middle) if axis == 0 else (middle, across)
+    walked = bool(path.intersects(_sill_line(axis, across, start, end)))
+    kind = _kind(gaps, walked, any(gap.face in bodies for gap in gaps))
+    if kind is None:
+        return None
+    spread = max(float(np.ptp([gap.start_m for gap in gaps])), float(np.ptp([gap.end_m for gap in gaps])))
+    sigma = float(np.hypot(np.sqrt(2) * EDGE_SIGMA_M, spread / 2))
+    heads = [gap.head_m for gap in gaps if gap.head_m is not None]
+    sills = [gap.sill_m for gap in gaps if gap.sill_m is not None]
+    return Opening(
+        f"O{number}",
+        kind,
+        centre,
+        1 - axis,
+        end - start,
+        sigma,
+        depth_m=max(offsets) - min(offsets),
+        head_height_m=float(np.mean(heads)) if heads else None,
+        sill_height_m=float(np.mean(sills)) if sills and kind is OpeningKind.WINDOW else None,
+        walked_through=walked,
+    )
+
+
+def _sill_line(axis: int, across: float, start: float, end: float) -> LineString:
+    ends: tuple[Point, Point] = ((across, start), (across, end)) if axis == 0 else ((start, across), (end, across))
+    return LineString(ends)
+
+
+def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool) -> OpeningKind | None:
+    """Door under a lintel, window over a sill, passage where walls end and nothing is above; None where the evidence does not tell."""
+    if not walked and all(gap.sill_m is not None for gap in gaps):
+        return OpeningKind.WINDOW
+    if any(gap.lintel for gap in gaps):
+        return OpeningKind.DOOR
+    if any(gap.lintel is False for gap in gaps):
+        return OpeningKind.PASSAGE if has_body or walked else None
+    return OpeningKind.DOOR if has_body and walked else OpeningKind.PASSAGE if walked or has_body else None

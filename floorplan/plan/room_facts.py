@@ -1,0 +1,98 @@
+"""What is known of a room beyond its outline: the standard deviation of its area, its ceiling."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from floorplan.model.checks import Array
+from floorplan.model.plan import Dimension, DimensionRole, PlanPlane, Room
+from floorplan.model.segment import AXIS_Z
+from floorplan.plan.corners import FaceRun
+from floorplan.plan.free_space import CELL_M
+from floorplan.plan.plan_frame import NO_PLANE, PlanWorld
+
+ON_FACE_M = 1e-4  # an outline lies on a face when it is this near
+UNSEEN_EDGE_SIGMA_M = CELL_M  # where an outline lies on no face it is only as good as the grid of free space
+MIN_CEILING_SHARE = 0.5  # one level surface must hold this share of the points above or below a room
+
+
+@dataclass(frozen=True)
+class RoomHeight:
+    """Planes of a room's floor and ceiling, rows of the plan's planes."""
+
+    floor: int
+    ceiling: int
+
+
+def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array) -> Room:
+    """The room with sigma_A = sqrt(g^T C g), g the length of outline (signed) on each plane: dA = length * d(offset)."""
+    gradient = np.zeros(len(covariance_m2))
+    loose = 0.0
+    for ring in (room.outline, *room.holes):
+        for a, b in zip(ring, (*ring[1:], ring[0]), strict=True):
+            axis = 0 if abs(a[0] - b[0]) < abs(a[1] - b[1]) else 1
+            length = (b[1] - a[1]) if axis == 0 else (a[0] - b[0])  # positive where the room lies below the edge
+            face = _face_under(a, b, axis, faces)
+            if face is None:
+                loose += (length * UNSEEN_EDGE_SIGMA_M) ** 2
+            else:
+                gradient[face.run.plane] += length
+    return replace(room, area_sigma_m2=float(np.sqrt(max(gradient @ covariance_m2 @ gradient, 0.0) + loose)))
+
+
+def _face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces: tuple[FaceRun, ...]) -> FaceRun | None:
+    low, high = sorted((a[1 - axis], b[1 - axis]))
+    on = [f for f in faces if f.axis == axis and abs(f.offset_m - a[axis]) < ON_FACE_M]
+    best = max(on, key=lambda f: min(f.end_m, high) - max(f.start_m, low), default=None)
+    return best
+
+
+def room_height(room: Room, world: PlanWorld) -> RoomHeight | None:
+    """Floor and ceiling of a room: the level planes that hold most of the points inside its outline."""
+    level = np.flatnonzero(world.plane_axis == AXIS_Z)
+    on_level = np.isin(world.point_plane, level) & (world.point_plane != NO_PLANE)
+    x, y = world.point_m[on_level, 0], world.point_m[on_level, 1]
+    inside = shapely.contains_xy(Polygon(room.outline, room.holes), x, y)
+    plane = world.point_plane[on_level][inside]
+    weight = np.bincount(plane, weights=world.point_weight[on_level][inside], minlength=len(world.plane_axis))
+    floor = _main_plane(weight * (world.plane_facing > 0))
+    ceiling = _main_plane(weight * (world.plane_facing < 0))
+    if floor is None or ceiling is None or world.plane_offset_m[ceiling] <= world.plane_offset_m[floor]:
+        return None
+    return RoomHeight(floor, ceiling)
+
+
+def _main_plane(weight: Array) -> int | None:
+    total = weight.sum()
+    return int(np.argmax(weight)) if total > 0 and weight.max() >= MIN_CEILING_SHARE * total else None
+
+
+def with_ceiling(room: Room, height: RoomHeight | None, planes: tuple[PlanPlane, ...], covariance_m2: Array) -> Room:
+    """The room with its ceiling height and sigma where floor and ceiling were seen."""
+    if height is None:
+        return room
+    distance = planes[height.ceiling].offset_m - planes[height.floor].offset_m
+    return replace(room, ceiling_height_m=distance, ceiling_sigma_m=_sigma_m(height, covariance_m2))
+
+
+def height_dimensions(
+    rooms: tuple[Room, ...], heights: tuple[RoomHeight | None, ...], planes: tuple[PlanPlane, ...], covariance_m2: Array
+) -> tuple[Dimension, ...]:
+    """Floor to ceiling, once per pair of level planes, in the first room that shows it."""
+    found: dict[RoomHeight, Dimension] = {}
+    for room, height in zip(rooms, heights, strict=True):
+        if height is not None and height not in found:
+            low, high = planes[height.floor], planes[height.ceiling]
+            sigma = _sigma_m(height, covariance_m2)
+            at = room.label
+            found[height] = Dimension(
+                "", DimensionRole.HEIGHT, low.id, high.id, AXIS_Z, high.offset_m - low.offset_m, sigma, at, at, at, room.id
+            )
+    return tuple(found.values())
+
+
+def _sigma_m(height: RoomHeight, covariance_m2: Array) -> float:
+    a, b = height.floor, height.ceiling
+    return float(np.sqrt(max(covariance_m2[a, a] + covariance_m2[b, b] - 2 * covariance_m2[a, b], 0.0)))

@@ -1,0 +1,23 @@
+"""Standard deviations of range readings, from the literature, where a recording does not say its own."""
+
+from floorplan.model.scan import Intrinsics, NoiseModel, Sensor, SensorKind
+
+# Structured light: sigma_z grows with the square of depth (Khoshelham & Elberink 2012, Sensors 12; the coefficients are those
+# of Nguyen, Izadi & Lovell 2012, 3DIMPVT, rounded up from 0.4 m to 0). Also an upper bound for time-of-flight cameras up to 4 m.
+DEPTH_CAMERA = NoiseModel(constant_m=0.0015, quadratic_per_m=0.0019)
+DEPTH_CAMERA_MIN_M = 0.3
+DEPTH_CAMERA_MAX_M = 10.0  # a disparity step is 25 cm there
+
+# Spinning LiDARs: about 2 cm (Velodyne VLP-16 data sheet: up to +-3 cm; Glennie, Kusari & Facchin 2016, ISPRS Archives XL-3/W4)
+SPINNING_LIDAR = NoiseModel(constant_m=0.02)
+SPINNING_LIDAR_MIN_M = 0.4
+SPINNING_LIDAR_MAX_M = 100.0
+
+# SICK LMS 200: 5 mm statistical, up to 15 mm systematic; the spot grows with range (data sheet; Ye & Borenstein 2002, ICRA)
+LASER_SIGMA_M = 0.01
+LASER_SIGMA_PER_M = 0.0005
+
+
+def depth_camera(lens: Intrinsics) -> Sensor:
+    """A depth camera of unknown make."""
+    return Sensor(SensorKind.CAMERA, lens.height, lens.width, DEPTH_CAMERA, DEPTH_CAMERA_MIN_M, DEPTH_CAMERA_MAX_M, 1.0 / lens.fx, lens)

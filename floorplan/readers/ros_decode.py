@@ -1,0 +1,83 @@
+"""ROS messages to arrays: depth images, sweeps, organised clouds. Lengths in metres, NaN for no return."""
+
+from typing import Any
+
+import numpy as np
+
+from floorplan.errors import InputError
+from floorplan.model.checks import Array
+from floorplan.readers.ros_topics import COMPRESSED_IMAGE, IMAGE, LASER_SCAN
+
+MILLIMETRE_M = 0.001  # of 16-bit depth (REP 118)
+COMPRESSED_HEADER_BYTES = 12  # config enum and two quantisation floats before the PNG
+FIELD_TYPES = {7: "f4", 8: "f8"}  # of PointField
+
+
+def stamp_ns_of(message: Any) -> int:
+    """The header's stamp; both ROS versions call its parts sec and nanosec here."""
+    return int(message.header.stamp.sec) * 1_000_000_000 + int(message.header.stamp.nanosec)
+
+
+def depth_m(message: Any, type: str) -> Array:
+    """Depth (H, W) float32 in metres of an Image or CompressedImage."""
+    raw = _compressed(message) if type == COMPRESSED_IMAGE else _image(message)
+    depth = raw.astype(np.float32) * np.float32(MILLIMETRE_M) if raw.dtype.kind == "u" else raw.astype(np.float32)
+    depth[~(np.isfinite(depth) & (depth > 0))] = np.nan
+    return np.asarray(depth)
+
+
+def _image(message: Any) -> Array:
+    """Rows without their padding, in the byte order of the message."""
+    kind = np.dtype(np.float32 if message.encoding == "32FC1" else np.uint16).newbyteorder(">" if message.is_bigendian else "<")
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
+    return np.ascontiguousarray(rows[:, : message.width * kind.itemsize]).view(kind)
+
+
+def _compressed(message: Any) -> Array:
+    import cv2
+
+    image = cv2.imdecode(np.frombuffer(message.data, dtype=np.uint8)[COMPRESSED_HEADER_BYTES:], cv2.IMREAD_UNCHANGED)
+    if image is None or image.dtype != np.uint16:
+        raise InputError("a compressed depth image is no 16-bit PNG; republish it with 16UC1 depth")
+    return np.asarray(image)
+
+
+def sweep_points(message: Any) -> Array:
+    """Points (1, N, 3) float32 of a LaserScan in its own frame."""
+    ranges = np.asarray(message.ranges, dtype=np.float32)
+    good = np.isfinite(ranges) & (ranges >= message.range_min) & (ranges < message.range_max)
+    ranges = np.where(good, ranges, np.float32(np.nan))
+    angle = message.angle_min + message.angle_increment * np.arange(len(ranges))
+    points = np.stack([ranges * np.cos(angle), ranges * np.sin(angle), ranges * 0], axis=-1)
+    return np.asarray(points[None], dtype=np.float32)
+
+
+def cloud_points(message: Any) -> Array:
+    """Points (H, W, 3) float32 of an organised PointCloud2. Raises `InputError` for a cloud without a grid."""
+    if message.height < 2:
+        raise InputError("the point cloud is not organised (height 1): record the organised cloud of the sensor")
+    fields = {field.name: field for field in message.fields}
+    kinds = {name: FIELD_TYPES.get(fields[name].datatype) for name in "xyz" if name in fields}
+    if len(kinds) < 3 or None in kinds.values():
+        raise InputError("the point cloud has no x, y, z of 32 or 64 bit")
+    order = ">" if message.is_bigendian else "<"
+    formats, offsets = [order + str(kinds[n]) for n in "xyz"], [fields[n].offset for n in "xyz"]
+    layout = np.dtype({"names": list("xyz"), "formats": formats, "offsets": offsets, "itemsize": message.point_step})
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.row_step)
+    grid = np.ascontiguousarray(rows[:, : message.width * message.point_step]).view(layout)
+    points = np.stack([grid[n].astype(np.float32) for n in "xyz"], axis=-1)
+    points[~np.isfinite(points).all(axis=-1) | (points == 0).all(axis=-1)] = np.nan
+    return np.asarray(points)
+
+
+def grid_points(message: Any, type: str, rays: Array) -> Array:
+    """Points (H, W, 3) float32 of any range message; `rays (H, W, 2)` x', y' of the pixels for depth images, else unused."""
+    if type == LASER_SCAN:
+        return sweep_points(message)
+    if type not in (IMAGE, COMPRESSED_IMAGE):
+        return cloud_points(message)
+    depth = depth_m(message, type)
+    points = np.empty((*depth.shape, 3), dtype=np.float32)
+    points[..., 2] = depth
+    np.multiply(depth[..., None], rays, out=points[..., :2])
+    return points

@@ -1,0 +1,86 @@
+"""The formats a simulated scan can be written in, each with the instrument that makes such recordings."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from floorplan.errors import UsageError
+from floorplan.model.checks import Array
+from floorplan.simulate.laser import LaserScanner, rolled
+from floorplan.simulate.odometry import Odometry
+from floorplan.simulate.presets import PHONE
+from floorplan.simulate.raycast import RayCaster
+from floorplan.simulate.scene import Scene
+from floorplan.simulate.sensor import DepthCamera, Shot, pinhole_of
+from floorplan.simulate.walk import Walk
+from floorplan.simulate.write_carmen import CarmenWriter
+from floorplan.simulate.write_stray import StrayWriter
+from floorplan.simulate.write_tum import TumWriter
+
+
+class Instrument(Protocol):
+    """Takes one shot per pose; `rays (H * W, 3)` in its own axes, in the units its depths count."""
+
+    rays: Array
+
+    def shots(self, walk: Walk) -> Iterator[Shot]:
+        """One shot per pose of the walk."""
+        ...
+
+
+class Writer(Protocol):
+    """Writes a scan frame by frame."""
+
+    def frame(self, index: int, shot: Shot) -> None:
+        """One frame's depth."""
+        ...
+
+    def finish(self, walk: Walk, odometry: Odometry) -> None:
+        """What belongs to the whole scan."""
+        ...
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a scan of one format is made: the scene as its instrument is moved in it, the instrument, the writer."""
+
+    scene: Callable[[Scene], Scene]
+    instrument: Callable[[Scene, RayCaster, bool, float], Instrument]
+    writer: Callable[[Path, Any, int], Writer]
+    coverage_stride: int
+
+
+def _camera(scene: Scene, caster: RayCaster, hard: bool, image_scale: float) -> DepthCamera:
+    sensor = scene.preset.sensor
+    return DepthCamera(sensor, pinhole_of(sensor, image_scale), caster, scene.seed, biased=hard)
+
+
+def _laser(scene: Scene, caster: RayCaster, _hard: bool, _image_scale: float) -> LaserScanner:
+    return LaserScanner(caster, scene.seed)
+
+
+def _as_drawn(scene: Scene) -> Scene:
+    return scene
+
+
+def _with_phone(scene: Scene) -> Scene:
+    return replace(scene, preset=replace(scene.preset, sensor=PHONE))
+
+
+def _on_wheels(scene: Scene) -> Scene:
+    return replace(scene, walk=rolled(scene.walk))
+
+
+FORMATS = {
+    "tum": Format(_as_drawn, _camera, TumWriter, 2),
+    "stray": Format(_with_phone, _camera, StrayWriter, 2),
+    "carmen": Format(_on_wheels, _laser, CarmenWriter, 1),
+}
+
+
+def format_named(name: str) -> Format:
+    """The format of that name; raises `UsageError` naming the choices."""
+    if name not in FORMATS:
+        raise UsageError(f"no format '{name}' to simulate in; choose one of {', '.join(FORMATS)}")
+    return FORMATS[name]

@@ -1,0 +1,54 @@
+"""Re-solve with whitened rows: the accepted equivalences as equalities, and the joint covariance of the planes."""
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from floorplan.chain import solve_planes
+from floorplan.merged_planes import merged_graph, plane_extents
+from floorplan.model.checks import Array
+from floorplan.model.graph import LayoutGraph, LayoutSolution
+from floorplan.model.noise import ScanNoise
+from floorplan.rows import residual_norm
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
+
+
+def weighted_resolve(graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise, keep_covariance: bool = True) -> LayoutSolution:
+    """Planes, positions and covariance under `noise`; a track is its plane plus a bias of `noise.bias_sigma_m` (E10)."""
+    planes = merged_graph(graph, plane_of_track)
+    count = len(planes.axis)
+    place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
+    offset, covariance = np.zeros(count), np.zeros((count, count))
+    for axes in (LEVEL_AXES, UPRIGHT_AXES):
+        if not np.isin(graph.axis, axes).any():
+            continue
+        system = build_system(graph, noise, axes)
+        columns, spread = solve_planes(system.reduced)
+        mine, member = np.unique(plane_of_track[system.tracks], return_inverse=True)
+        tracks = len(system.tracks)
+        blurred = spread[:tracks, :tracks] + noise.bias_sigma_m**2 * np.eye(tracks)
+        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(columns[:tracks], blurred, member, len(mine))
+        place[:, list(axes)] = positions(system, columns + spread[:, :tracks] @ pulled)
+    cross = planes.axis[:, None] != planes.axis[None, :]
+    covariance[cross] = 0.0
+    return LayoutSolution(
+        position_m=place,
+        plane_of_track=plane_of_track,
+        plane_axis=planes.axis,
+        plane_facing=planes.facing,
+        plane_offset_m=offset,
+        plane_sigma_m=np.sqrt(np.diag(covariance)),
+        plane_extent_m=plane_extents(graph, plane_of_track, place, offset),
+        plane_covariance_m2=covariance if keep_covariance else None,
+        residual_m=residual_norm(planes, place, offset),
+    )
+
+
+def _joined(offset_m: Array, blurred: Array, member: Array, planes: int) -> tuple[Array, Array, Array]:
+    """Generalised least squares of `offset = G plane + error`, covariance `blurred` Q: planes, theirs, `Q^-1 (G plane - offset)`."""
+    G = np.zeros((len(member), planes))
+    G[np.arange(len(member)), member] = 1.0
+    factor = cho_factor(blurred, lower=True)
+    heavy = cho_solve(factor, G)
+    covariance = np.linalg.inv(G.T @ heavy)
+    plane = covariance @ (heavy.T @ offset_m)
+    return plane, covariance, np.asarray(cho_solve(factor, G @ plane - offset_m))

@@ -1,0 +1,47 @@
+"""Cuts a layout graph into stretches of frames, each a small layout graph of its own: memory stays flat on long scans."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.model.checks import Array
+from floorplan.model.graph import LayoutGraph
+
+
+@dataclass(frozen=True)
+class Window:
+    """A stretch: its graph, and which rows (R,) and tracks (T,) of the whole graph it holds."""
+
+    graph: LayoutGraph
+    rows: Array
+    tracks: Array
+
+
+def windows(graph: LayoutGraph, frames: int) -> list[Window]:
+    """Stretches of at most `frames` frames, near equal; every row belongs to exactly one."""
+    count = len(graph.stamp_s)
+    pieces = max(1, -(-count // frames))
+    edges = np.linspace(0, count, pieces + 1).round().astype(int)
+    order = np.argsort(graph.frame, kind="stable")
+    cut = np.searchsorted(graph.frame[order], edges)
+    return [
+        _window(graph, order[a:b], low, high)
+        for a, b, low, high in zip(cut[:-1], cut[1:], edges[:-1], edges[1:], strict=True)
+        if b > a
+    ]
+
+
+def _window(graph: LayoutGraph, rows: Array, low: int, high: int) -> Window:
+    tracks, local = np.unique(graph.track[rows], return_inverse=True)
+    piece = LayoutGraph(
+        graph.stamp_s[low:high],
+        graph.translation_m[low : high - 1],
+        graph.frame[rows] - low,
+        local,
+        graph.distance_m[rows],
+        graph.axis[tracks],
+        graph.facing[tracks],
+        graph.extent_m[tracks],
+        None if graph.sigma_m is None else graph.sigma_m[rows],
+    )
+    return Window(piece, rows, tracks)

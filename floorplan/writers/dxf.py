@@ -1,0 +1,17 @@
+"""The DXF drawing: the plan in model space, the sheet in paper space."""
+
+from floorplan.config import ProjectConfig
+from floorplan.writers.composition import Composition
+from floorplan.writers.dxf_document import document_bytes, fixed_metadata, new_document
+from floorplan.writers.dxf_plan import draw_plan
+from floorplan.writers.dxf_sheet import draw_sheet
+from floorplan.writers.facts import SheetFacts
+
+
+def dxf_bytes(composition: Composition, version: str, project: ProjectConfig, facts: SheetFacts) -> bytes:
+    """A DXF file of that version; the same bytes for the same input. Raises ConfigError for an unknown version."""
+    with fixed_metadata():
+        document = new_document(composition, version)
+        draw_plan(document, composition)
+        draw_sheet(document, composition, project, facts)
+        return document_bytes(document, facts.date)

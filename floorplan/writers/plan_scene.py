@@ -1,0 +1,142 @@
+"""The plan itself as strokes, fills and labels on paper."""
+
+import math
+
+from floorplan.config import ProjectConfig
+from floorplan.model.plan import FreeLine, Glazing, OpeningKind, Point
+from floorplan.writers.composition import Composition
+from floorplan.writers.dimension_layout import TEXT_HEIGHT_MM, TICK_MM, PlacedDimension
+from floorplan.writers.door_symbol import UNIT_LEAF, UNIT_LINE, DoorSymbol, unit_arc, window_lines
+from floorplan.writers.facts import SheetFacts
+from floorplan.writers.layers import DASHED, PATH_DASH_MM, Layer
+from floorplan.writers.scene import Align, Fill, Item, Label, Scene, Stroke
+from floorplan.writers.sheet_scene import frame_items, note_items, schedule_items, symbol_items, value_items
+from floorplan.writers.stamp_layout import PlacedStamp
+
+EXTENSION_GAP_MM = 0.8  # between the face and its extension line
+EXTENSION_OVER_MM = 1.0  # beyond the dimension line
+LINE_NOTE_MM = 1.6  # capital height of the words along free lines and glazing
+TOUCHING_MM = 1.5  # a dimension line this close to its face needs no extension line
+TICK_PEN_MM = 0.35  # twice the dimension line: the stroke must be found at once
+ROOM_TINT = "#f6f8f6"
+
+
+def sheet_scene(composition: Composition, project: ProjectConfig, facts: SheetFacts) -> Scene:
+    """The whole sheet."""
+    items = [
+        *plan_items(composition),
+        *frame_items(composition),
+        *value_items(composition, project, facts),
+        *schedule_items(composition),
+        *note_items(composition, facts),
+        *symbol_items(composition, project),
+    ]
+    return Scene(composition.sheet.width_mm, composition.sheet.height_mm, tuple(items))
+
+
+def plan_items(composition: Composition) -> list[Item]:
+    """Everything of the plan that is plotted, back to front."""
+    return [
+        *_fills(composition),
+        *_lines(composition),
+        *[item for door in composition.doors for item in _opening(composition, door)],
+        *[item for placed in composition.dimensions for item in dimension_items(composition, placed)],
+        *[item for stamp in composition.stamps for item in _stamp(composition, stamp)],
+    ]
+
+
+def _fills(composition: Composition) -> list[Item]:
+    plan, ink = composition.plan, composition.layers[Layer.WALL_PATTERN].ink
+    items: list[Item] = []
+    for room in plan.rooms:
+        rings = tuple(_on_paper(composition, ring) for ring in (room.outline, *room.holes))
+        items.append(Fill(Layer.AREA, rings, ROOM_TINT))
+    if not composition.strict:
+        items += [Fill(Layer.WALL_PATTERN, (_on_paper(composition, wall.fill),), ink) for wall in plan.walls if wall.fill]
+    items += [Fill(Layer.COLUMN, (_on_paper(composition, column.outline),), ink) for column in plan.columns]
+    return items
+
+
+def _lines(composition: Composition) -> list[Item]:
+    plan = composition.plan
+    items: list[Item] = []
+    for wall in plan.walls:
+        items += [_stroke(composition, Layer.WALL_INFERRED, line) for line in wall.inferred]
+    for wall in plan.walls:
+        items += [_stroke(composition, Layer.WALL, line) for line in wall.seen]
+    items += [Stroke(Layer.COLUMN, _on_paper(composition, column.outline), closed=True) for column in plan.columns]
+    for line in plan.free_lines:
+        items.append(_stroke(composition, Layer.WALL, (line.start, line.end)))
+        items.append(line_note(composition, line, f"{line.id}  {line.off_axis_deg:.1f}° off axis"))
+    for glazing in plan.glazing:
+        items.append(_stroke(composition, Layer.GLAZING, (glazing.start, glazing.end)))
+        items.append(line_note(composition, glazing, "glazing"))
+    return items
+
+
+def _on_paper(composition: Composition, points: tuple[Point, ...]) -> tuple[Point, ...]:
+    return tuple(composition.paper(point) for point in points)
+
+
+def _stroke(composition: Composition, layer: Layer, points: tuple[Point, ...]) -> Stroke:
+    closed = len(points) > 2 and points[0] == points[-1]
+    dash = PATH_DASH_MM if composition.layers[layer].linetype == DASHED else ()
+    return Stroke(layer, _on_paper(composition, points[:-1] if closed else points), closed, dash_mm=dash)
+
+
+def line_note(composition: Composition, line: FreeLine | Glazing, text: str) -> Label:
+    """Words along a line, on its left when read from its lower end, never upside down."""
+    a, b = composition.paper(line.start), composition.paper(line.end)
+    if (b[0], b[1]) < (a[0], a[1]):
+        a, b = b, a
+    angle = math.atan2(b[1] - a[1], b[0] - a[0])
+    x, y = (a[0] + b[0]) / 2 - math.sin(angle) * 1.0, (a[1] + b[1]) / 2 + math.cos(angle) * 1.0
+    return Label(Layer.NOTE, text, (x, y), LINE_NOTE_MM, Align.MIDDLE, math.degrees(angle))
+
+
+def _opening(composition: Composition, door: DoorSymbol) -> list[Item]:
+    if door.opening.kind == OpeningKind.DOOR:
+        return [
+            Stroke(Layer.DOOR, _on_paper(composition, door.placed(UNIT_LEAF))),
+            Stroke(Layer.DOOR, _on_paper(composition, door.placed(unit_arc())), pen_mm=0.13),
+        ]
+    if door.opening.kind == OpeningKind.PASSAGE:
+        return [Stroke(Layer.DOOR, _on_paper(composition, door.placed(UNIT_LINE)), dash_mm=PATH_DASH_MM)]
+    return [Stroke(Layer.GLAZING, _on_paper(composition, door.placed(line))) for line in window_lines(door.opening)]
+
+
+def dimension_items(composition: Composition, placed: PlacedDimension) -> list[Item]:
+    """Dimension line, extension lines, oblique strokes and text."""
+    layer, axis = Layer.DIMENSION, placed.dimension.axis
+    items: list[Item] = [Stroke(layer, _on_paper(composition, placed.line_reach))]
+    for feature, end in zip((placed.dimension.start, placed.dimension.end), placed.line, strict=True):
+        foot, tip = composition.paper(feature), composition.paper(end)
+        half = TICK_MM / 2
+        items.append(Stroke(layer, ((tip[0] - half, tip[1] - half), (tip[0] + half, tip[1] + half)), pen_mm=TICK_PEN_MM))
+        reach = tip[1 - axis] - foot[1 - axis]
+        if abs(reach) > TOUCHING_MM:
+            sign = math.copysign(1.0, reach)
+            start, stop = foot[1 - axis] + sign * EXTENSION_GAP_MM, tip[1 - axis] + sign * EXTENSION_OVER_MM
+            ends = ((tip[0], start), (tip[0], stop)) if axis == 0 else ((start, tip[1]), (stop, tip[1]))
+            items.append(Stroke(layer, ends))
+    x, y = composition.paper(placed.text_centre)
+    half = TEXT_HEIGHT_MM / 2
+    at = (x, y - half) if axis == 0 else (x + half, y)
+    items.append(Label(layer, placed.text, at, TEXT_HEIGHT_MM, Align.MIDDLE, placed.text_rotation_deg))
+    return items
+
+
+def _stamp(composition: Composition, stamp: PlacedStamp) -> list[Item]:
+    x, y = composition.paper(stamp.centre)
+    return [
+        Label(
+            Layer.AREA_IDENTITY,
+            line.text,
+            (x, y + line.baseline_mm * stamp.size),
+            line.height_mm * stamp.size,
+            Align.MIDDLE,
+            bold=line.tag == "NUMBER",
+        )
+        for line in stamp.lines
+        if line.text
+    ]

@@ -1,0 +1,91 @@
+"""The command line's manners: exit codes, messages, data on stdout, nothing heavy for --help."""
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from floorplan import __version__
+from floorplan.cli import app
+from floorplan.errors import ConfigError, FloorplanError, InputError, UsageError, WorkFolderError
+
+RUNNER = CliRunner()
+HEAVY = ("numpy", "numba", "scipy", "cvxpy", "open3d", "shapely", "ezdxf", "matplotlib", "rich.progress")
+
+
+def run_program(*arguments: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-c", "from floorplan.cli import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+
+def error_of(*arguments: str) -> FloorplanError:
+    result = RUNNER.invoke(app, list(arguments))
+    assert isinstance(result.exception, FloorplanError), result.output
+    return result.exception
+
+
+def test_help_and_version_import_nothing_heavy() -> None:
+    code = (
+        "import sys\nfrom typer.testing import CliRunner\nfrom floorplan.cli import app\n"
+        "for a in (['--help'], ['--version'], ['build', '--help']):\n    assert CliRunner().invoke(app, a).exit_code == 0\n"
+        f"print([m for m in {HEAVY!r} if m in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+def test_version_is_the_packages() -> None:
+    assert RUNNER.invoke(app, ["--version"]).output.strip() == f"floorplan {__version__}"
+
+
+def test_a_users_mistake_ends_with_one_line_on_stderr_and_its_code(tmp_path: Path) -> None:
+    result = run_program("build", str(tmp_path / "nowhere"))
+    assert (result.returncode, result.stdout) == (3, "")
+    assert result.stderr.startswith("floorplan: ")
+    assert "no such file or folder" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_wrong_usage_is_2() -> None:
+    assert RUNNER.invoke(app, ["build"]).exit_code == 2
+    assert RUNNER.invoke(app, ["paint"]).exit_code == 2
+    assert RUNNER.invoke(app, ["build", "scan", "--paint"]).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind", "words"),
+    [
+        (["build", "{dir}", "--set", "merge.radus_m=1"], ConfigError, "radius_m"),
+        (["build", "{dir}", "--units", "furlongs"], ConfigError, "m, mm, ft"),
+        (["build", "{dir}", "--from", "paint"], UsageError, "segments"),
+        (["build", "{dir}", "--dxf", "{dir}/no/plan.dxf"], UsageError, "no folder"),
+        (["build", "{dir}", "--format", "guess"], UsageError, "guess"),
+        (["build", "{dir}", "--config", "{dir}/no.toml"], ConfigError, "no such configuration"),
+        (["build", "{dir}"], InputError, "not recognised"),
+        (["info", "{dir}"], InputError, "not recognised"),
+        (["status", "{dir}"], WorkFolderError, "not a work folder"),
+        (["export", "{dir}", "--dxf", "{dir}/plan.dxf"], WorkFolderError, "not a work folder"),
+        (["export", "{dir}"], UsageError, "--dxf"),
+    ],
+)
+def test_each_mistake_has_its_kind_and_says_what_to_do(tmp_path: Path, arguments: list[str], kind: type, words: str) -> None:
+    error = error_of(*(argument.replace("{dir}", str(tmp_path)) for argument in arguments))
+    assert type(error) is kind
+    assert words in str(error)
+    assert not list(tmp_path.iterdir())
+
+
+def test_config_prints_what_config_reads() -> None:
+    text = RUNNER.invoke(app, ["config", "--set", "merge.radius_m=0.5"]).stdout
+    assert tomllib.loads(text)["merge"]["radius_m"] == 0.5
+    assert json.loads(RUNNER.invoke(app, ["config", "--json"]).stdout)["merge"]["method"] in ("paper", "evidence")
+
+
+def test_doctor_finds_this_machine_good() -> None:
+    result = RUNNER.invoke(app, ["doctor", "--json"])
+    assert result.exit_code == 0
+    assert {check["name"] for check in json.loads(result.stdout)} >= {"python", "open3d", "cvxpy", "free disk"}

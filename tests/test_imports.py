@@ -1,0 +1,86 @@
+"""Imports go one way, heavy libraries have one home each, and nobody below the command line prints or exits."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "floorplan"
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+HOMES = {  # the one module, or folder, that may import the library
+    "cvxpy": ("merge/paper_cvxpy.py",),
+    "clarabel": ("merge/",),
+    "open3d": ("simulate/raycast.py", "view.py"),
+    "libusb_package": ("simulate/raycast.py",),
+    "ezdxf": ("writers/",),
+    "matplotlib": ("writers/",),
+    "rosbags": ("readers/",),
+    "typer": ("cli/",),
+    "rich": ("cli/",),
+}
+AT_THE_TOP = ("cvxpy", "clarabel", "open3d", "ezdxf", "rosbags", "matplotlib", "rich")  # too slow to import before they are needed
+TOP = {"cli", "build", "export", "results", "drawings", "initial_layout", "chunked_segments", "stage_counts", "__main__"}
+OUTSIDE_THE_STAGES = TOP | {"work", "config_file", "doctor", "summary", "simulate", "writers", "readers", "solve"}
+GROUND = {"model", "errors", "geometry"}
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).as_posix()
+
+
+def part_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(path: Path) -> Iterator[tuple[str, bool]]:
+    """Each imported module with its dotted name, and whether the import stands at the top of the file."""
+    tree = ast.parse(path.read_text("utf-8"))
+    for node in ast.walk(tree):
+        top = node in tree.body
+        if isinstance(node, ast.Import):
+            yield from ((alias.name, top) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            assert node.level == 0, f"{name_of(path)}: relative import"
+            if node.module == "floorplan":
+                yield from ((f"floorplan.{alias.name}", top) for alias in node.names)
+            else:
+                yield node.module, top
+
+
+def parts_imported(path: Path) -> set[str]:
+    return {module.split(".")[1] for module, _ in imports(path) if module.startswith("floorplan.")}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_each_heavy_library_has_one_home_and_is_imported_when_needed(path: Path) -> None:
+    for module, top in imports(path):
+        library = module.split(".")[0]
+        if library in HOMES:
+            assert name_of(path).startswith(HOMES[library]), f"{name_of(path)} imports {library}"
+        assert not (top and library in AT_THE_TOP), f"{name_of(path)} imports {library} at the top"
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if part_of(p) in GROUND], ids=name_of)
+def test_the_ground_floor_imports_only_itself(path: Path) -> None:
+    assert parts_imported(path) <= GROUND
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if part_of(p) not in OUTSIDE_THE_STAGES], ids=name_of)
+def test_a_stage_knows_no_path_no_cache_no_command_line(path: Path) -> None:
+    assert not parts_imported(path) & (TOP | {"work", "writers", "simulate"})
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if part_of(p) == "work"], ids=name_of)
+def test_the_work_folder_knows_no_stage_by_what_it_does(path: Path) -> None:
+    assert parts_imported(path) <= GROUND | {"work", "reporting"}
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if part_of(p) != "cli"], ids=name_of)
+def test_only_the_command_line_prints_exits_and_reads_the_environment(path: Path) -> None:
+    text = path.read_text("utf-8")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            assert node.func.id not in ("print", "input", "exit")
+    assert "sys.exit" not in text
+    assert "os.environ" not in text
