@@ -104,6 +104,7 @@ class PlanConfig:
     wall_band_low_m: float = 1.2  # above tables, desks and sills ...
     wall_band_high_m: float = 1.95  # ... and below door lintels: here a wall is hit and an opening is seen through
     min_wall_length_m: float = 0.20  # a jamb, a recess; shorter pieces are not told from clutter
+    min_free_length_m: float = 0.60  # of a wall off the axes; its direction is not known well from less
     min_frames: int = 3  # what stood in fewer keyframes may have been passing by
     min_thickness_m: float = 0.05  # thinnest partition
     max_thickness_m: float = 0.60  # thickest wall; farther apart two faces are a shaft or a room

@@ -13,6 +13,7 @@ from floorplan.plan.edges import rays_beyond, refined_edge_m
 from floorplan.plan.surface_evidence import PlaneEvidence
 
 TOP_WINDOW_M = 0.4  # how far below the highest evidence "seen over the top" looks
+SPARSE_COLUMNS = 3  # points of one surface lie no farther apart than this when it was really looked at
 SMOOTH_COLUMNS = 2  # neighbours on each side whose rays are counted along with a column's own near the top
 
 
@@ -149,9 +150,20 @@ def bridged_spans(verdict: ColumnVerdict, step_m: float, max_gap_m: float) -> li
     return joined
 
 
+def _dense_spans(wall: Array) -> list[tuple[int, int]]:
+    """Spans of seen columns; gaps of a few columns are the spacing of the thinned points, not something unseen."""
+    joined: list[tuple[int, int]] = []
+    for a, b in spans(wall):
+        if joined and a - joined[-1][1] <= SPARSE_COLUMNS:
+            joined[-1] = (joined[-1][0], b)
+        else:
+            joined.append((a, b))
+    return joined
+
+
 def _run(evidence: PlaneEvidence, verdict: ColumnVerdict, first: int, last: int, heights: bool) -> Run:
     start, end = refined_edge_m(evidence, first, +1), refined_edge_m(evidence, last, -1)
-    parts = [(evidence.along_m(first + a), evidence.along_m(first + b)) for a, b in spans(verdict.wall[first:last])]
+    parts = [(evidence.along_m(first + a), evidence.along_m(first + b)) for a, b in _dense_spans(verdict.wall[first:last])]
     seen = tuple((start if k == 0 else a, end if k == len(parts) - 1 else b) for k, (a, b) in enumerate(parts))
     open_ends = (rays_beyond(evidence, first, +1), rays_beyond(evidence, last, -1))
     hit_rows = np.flatnonzero(evidence.hits[first:last].sum(axis=0) > 0)

@@ -9,6 +9,9 @@ from floorplan.model.plan import Plan, PlanPlane
 from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.plan.bodies import bodies_of, junction_blocks, paired_faces, solid
+from floorplan.plan.columns import find_columns
+from floorplan.plan.free_lines import free_lines
+from floorplan.plan.glazing import as_glazing, glazed_lines
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
 from floorplan.plan.dimensions import numbered, wall_to_wall
 from floorplan.plan.faces import Run, find_runs
@@ -41,10 +44,11 @@ def make_plan(
     matter = solid(bodies, junction_blocks(bodies))
     covariance = joint_covariance(solution)
     drawing = draw_walls(faces, bodies, matter, covariance, ids)
+    glazed = glazed_lines(world, faces, config)
     gaps = find_gaps(faces, evidence, config, world.heights)
     path = world.trajectory.position_m[:, :2]
     openings = find_openings(gaps, faces, path, {index for pair in pairs for index in pair}, config)
-    rooms = find_rooms(RoomScene(faces, gaps, bodies, free_space(world), path), config)
+    rooms = find_rooms(RoomScene(faces, gaps, bodies, glazed, free_space(world), path), config)
     levels = tuple(room_height(room, world) for room in rooms)
     rooms = tuple(
         with_ceiling(with_area_sigma(room, faces, covariance), level, planes, covariance) for room, level in zip(rooms, levels, strict=True)
@@ -58,7 +62,10 @@ def make_plan(
         rotation_quarters=world.rotation_quarters,
         shift_m=np.array(world.shift_m),
         dimensions=numbered(dimensions),
+        free_lines=free_lines(segmented.free_patches, world, config),
+        glazing=as_glazing(glazed),
         openings=openings,
+        columns=find_columns(bodies, faces),
         rooms=rooms,
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=solution.plane_covariance_m2,

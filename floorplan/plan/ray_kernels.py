@@ -20,6 +20,7 @@ def count_rays(
     axis: int,
     facing: int,
     offset: float,
+    reach: Array,
     corner: Array,
     cell: Array,
     band: Array,
@@ -31,7 +32,10 @@ def count_rays(
     fine_passes: Array,
     frames: Array,
 ) -> None:
-    """Fill the count arrays of one plane; `corner` and `cell` give the grid (along, up), `band` the heights of the fine counts."""
+    """Fill the count arrays of one plane; `corner` and `cell` give the grid (along, up), `band` the heights of the fine counts.
+
+    A point of no plane counts as a hit when it lies on this one within the box `reach` (along low, high, up low, high).
+    """
     along = 1 - axis
     last_frame = np.full(frames.shape[0], -1)
     for i in range(point.shape[0]):
@@ -40,7 +44,11 @@ def count_rays(
         beyond = (point[i, axis] - offset) * facing
         mine = point_plane[i] == plane
         kind = 0
-        if mine or (point_plane[i] < 0 and before > 0 and abs(beyond) <= tolerance[i]):
+        loose = point_plane[i] < 0 and before > 0 and abs(beyond) <= tolerance[i]
+        if loose:
+            u, z = point[i, along], point[i, 2]
+            loose = reach[0] <= u <= reach[1] and reach[2] <= z <= reach[3]
+        if mine or loose:
             kind = 1
             u, z = point[i, along], point[i, 2]
         else:

@@ -1,6 +1,6 @@
 """Rooms: free space between walls and closed openings, as polygons on the inner faces, with area and ceiling height."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import LineString, MultiPoint, Polygon, box
@@ -15,6 +15,7 @@ from floorplan.plan.bodies import Body
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M, FreeSpace
 from floorplan.plan.gaps import OPEN_SHARE, Gap
+from floorplan.plan.glazing import GlazedLine
 
 CORRIDOR_WIDTH_M = 3.0  # corridors are narrower ...
 CORRIDOR_STRETCH = 1.5  # ... and at least about four times as long as wide: perimeter^2 / (16 area), 1 for a square
@@ -29,13 +30,15 @@ class RoomScene:
     faces: tuple[FaceRun, ...]
     gaps: tuple[Gap, ...]
     bodies: tuple[Body, ...]
+    glazed: tuple[GlazedLine, ...]
     space: FreeSpace
     path_xy_m: Array
 
 
 def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
     """Rooms R1.. from the top left; areas without sigma and ceilings without height yet."""
-    barriers = (*wall_barriers(scene.faces), *opening_barriers(scene, config))
+    glass = (Barrier(line.axis, line.offset_m, line.start_m, line.end_m) for line in scene.glazed)
+    barriers = (*wall_barriers(scene.faces), *opening_barriers(scene, config), *glass)
     matter = np.array([body.rectangle.bounds for body in scene.bodies]).reshape(-1, 4)
     arrangement = arrange(barriers, scene.space, MatterShare(matter))
     lines = unary_union([_line(barrier) for barrier in barriers])
@@ -125,7 +128,5 @@ def _label(shape: Polygon) -> Point:
 
 
 def _named(room: Room, number: int) -> Room:
-    from dataclasses import replace
-
     word = "Corridor" if room.kind is RoomKind.CORRIDOR else "Room"
     return replace(room, id=f"R{number}", name=f"{word} {number}")

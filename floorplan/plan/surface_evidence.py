@@ -13,6 +13,7 @@ FINE_CELLS = 10  # fine counts per cell along: edges of walls are placed to 5 mm
 MARGIN_ALONG_M = 1.8  # beyond a plane's extent: wide enough for a door beside its end
 LOWEST_M, HIGHEST_M = -0.3, 6.0  # heights above the floor that are looked at
 NOISE_SIGMAS = 2.5  # readings farther off a surface than this are not on it
+LOOSE_MARGIN_M = 0.15  # a surface goes on this far beyond its segments, whose ends are trimmed
 MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
 
 
@@ -73,6 +74,7 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
         axis,
         int(world.plane_facing[plane]),
         float(world.plane_offset_m[plane]),
+        _reach(world, plane),
         np.array([empty.along_start_m, empty.up_start_m]),
         np.array([empty.along_step_m, empty.up_step_m]),
         np.array([config.wall_band_low_m, config.wall_band_high_m] if world.heights else [-np.inf, np.inf]),
@@ -85,6 +87,13 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
         empty.frames,
     )
     return empty
+
+
+def _reach(world: PlanWorld, plane: int) -> Array:
+    """Where points of no plane may belong to this one: its extent and a margin (along low, high, up low, high)."""
+    along, up = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])], world.plane_extent_m[plane, 2]
+    box = np.array([along[0] - LOOSE_MARGIN_M, along[1] + LOOSE_MARGIN_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
+    return np.where(np.isnan(box), [-np.inf, np.inf, -np.inf, np.inf], box)
 
 
 def _empty_evidence(world: PlanWorld, plane: int, config: PlanConfig) -> PlaneEvidence:
