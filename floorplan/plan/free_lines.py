@@ -20,7 +20,7 @@ LEAF_TOP_M = 2.15  # a door leaf ends below this
 
 @dataclass(frozen=True)
 class FreeCluster:
-    """Patches of one surface: `rows` of the patch table, `normal_rad` mean azimuth of the normal, `middle_m (2,)`, `low_m`, `high_m` along it."""
+    """Patches of one surface: `rows` of the table, `normal_rad` azimuth of the normal, `middle_m (2,)`, `low_m`, `high_m` along it."""
 
     rows: tuple[int, ...]
     normal_rad: float

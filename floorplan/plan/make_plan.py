@@ -10,13 +10,13 @@ from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.plan.bodies import bodies_of, junction_blocks, paired_faces, solid
 from floorplan.plan.columns import find_columns
-from floorplan.plan.free_lines import free_lines
-from floorplan.plan.glazing import as_glazing, glazed_lines
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
 from floorplan.plan.dimensions import numbered, wall_to_wall
 from floorplan.plan.faces import Run, find_runs
+from floorplan.plan.free_lines import free_lines
 from floorplan.plan.free_space import free_space
 from floorplan.plan.gaps import find_gaps
+from floorplan.plan.glazing import as_glazing, glazed_lines
 from floorplan.plan.openings import find_openings
 from floorplan.plan.outline import gross_outline
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
