@@ -111,6 +111,7 @@ class PlanConfig:
     max_door_width_m: float = 1.3  # wider openings join two rooms into one
     min_door_width_m: float = 0.6  # narrower ones cannot be walked through
     max_opening_width_m: float = 1.6  # wider free runs are no opening in a wall but the lack of one
+    max_window_width_m: float = 4.0  # a ribbon of windows wider than this is read window by window or not at all
     min_room_area_m2: float = 1.0  # smaller closed spaces are shafts and cupboards
 
 

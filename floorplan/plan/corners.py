@@ -10,7 +10,10 @@ JAMB_MISMATCH_M = 0.15  # ends of two faces of one wall nearer than this are one
 
 @dataclass(frozen=True)
 class FaceRun:
-    """A run with its plane: `axis` it is normal to, `facing`, `offset_m`; `cornered` says which ends (start, end) lie on another face."""
+    """A run with its plane: `axis` it is normal to, `facing`, `offset_m`; ends are (start, end).
+
+    `cornered`: the end lies on another face; `inner`: that face looks back along this one, so the surface cannot go on.
+    """
 
     run: Run
     axis: int
@@ -18,6 +21,7 @@ class FaceRun:
     offset_m: float
     sigma_m: float
     cornered: tuple[bool, bool] = (False, False)
+    inner: tuple[bool, bool] = (False, False)
 
     @property
     def start_m(self) -> float:
@@ -47,30 +51,31 @@ def joined_corners(faces: tuple[FaceRun, ...], reach_m: float) -> tuple[FaceRun,
 
 
 def _cornered(face: FaceRun, faces: tuple[FaceRun, ...], reach_m: float) -> FaceRun:
-    start = _corner_m(face, faces, -1, reach_m)
-    end = _corner_m(face, faces, +1, reach_m)
-    new_start = face.start_m if start is None else start
-    new_end = face.end_m if end is None else end
-    if new_end - new_start < MIN_SIDE_M:
+    corners = [_corner(face, faces, direction, reach_m) for direction in (-1, +1)]
+    start, end = (free if corner is None else corner.offset_m for free, corner in zip((face.start_m, face.end_m), corners, strict=True))
+    if end - start < MIN_SIDE_M:
         return face
-    return replace(with_ends(face, new_start, new_end), cornered=(start is not None, end is not None))
+    inner = [corner is not None and corner.facing == -direction for corner, direction in zip(corners, (-1, +1), strict=True)]
+    cornered = (corners[0] is not None, corners[1] is not None)
+    return replace(with_ends(face, start, end), cornered=cornered, inner=(inner[0], inner[1]))
 
 
-def _corner_m(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: float) -> float | None:
-    """Coordinate of the nearest perpendicular face that this end can meet, or None."""
+def _corner(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: float) -> FaceRun | None:
+    """The nearest perpendicular face that this end can meet, or None."""
     at = face.end_m if direction > 0 else face.start_m
     is_open = face.run.open_end if direction > 0 else face.run.open_start
-    best: tuple[float, float] | None = None
+    best: FaceRun | None = None
     for other in faces:
         if other.axis == face.axis or abs(other.offset_m - at) > reach_m:
             continue
         gap = (other.offset_m - at) * direction
         if is_open and gap > 2 * MIN_SIDE_M:  # rays passed between this end and that face
             continue
-        side = face.facing if other.facing == -direction else -face.facing  # concave corner, or convex
-        if _reaches_side(other, face.offset_m, side, reach_m) and (best is None or abs(gap) < best[0]):
-            best = (abs(gap), other.offset_m)
-    return None if best is None else best[1]
+        side = face.facing if other.facing == -direction else -face.facing  # inner corner, or outer
+        nearer = best is None or abs(gap) < abs(best.offset_m - at)
+        if nearer and _reaches_side(other, face.offset_m, side, reach_m):
+            best = other
+    return best
 
 
 def _reaches_side(face: FaceRun, offset_m: float, side: int, reach_m: float) -> bool:

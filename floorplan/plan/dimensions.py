@@ -2,17 +2,22 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+import shapely
 from shapely.geometry import LineString, Polygon, box
 from shapely.geometry import Point as ShapelyPoint
 
 from floorplan.model.checks import Array
 from floorplan.model.plan import Dimension, DimensionRole, Room
 from floorplan.plan.corners import FaceRun
+from floorplan.plan.faces import spans
 from floorplan.plan.walls import distance_sigma_m, point_on
 
 MIN_ROOM_SPAN_M = 0.8  # nearer faces make no room: a wall, a shaft, a cupboard
 MIN_SHARED_M = 0.5  # faces that look at each other over less than this are not measured against each other
 TEXT_WIDTH_M, TEXT_HEIGHT_M = 1.2, 0.3  # what a dimension's text covers at 1:50 to 1:100
+SAME_LINE_M = 0.02  # faces nearer than this are one line in a drawing
+STEP_M = 0.05  # grain at which the place for a dimension line is looked for
 FRACTIONS = (0.3, 0.7, 0.2, 0.8, 0.4, 0.6, 0.12, 0.88, 0.5)  # where along the shared stretch a line may run, best first
 
 
@@ -22,6 +27,16 @@ class FacingPair:
 
     lower: int
     upper: int
+    low_m: float
+    high_m: float
+
+
+@dataclass(frozen=True)
+class RoomStretch:
+    """Where a facing pair is measured in one room: `low_m`..`high_m` along the faces."""
+
+    pair: FacingPair
+    room: str
     low_m: float
     high_m: float
 
@@ -52,47 +67,62 @@ def _clear_stretches(faces: tuple[FaceRun, ...], i: int, j: int) -> list[FacingP
 
 
 def wall_to_wall(
-    faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], covariance_m2: Array | None, plane_ids: tuple[str, ...]
+    faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], covariance_m2: Array, plane_ids: tuple[str, ...]
 ) -> tuple[Dimension, ...]:
-    """One dimension per pair of planes and room, its line placed clear of the others' texts and of the room stamps."""
-    areas = [Polygon(room.outline, room.holes) for room in rooms]
+    """One dimension per pair of faces and room, its line placed clear of the others' texts and of the room stamps."""
     taken = [_stamp_box(room) for room in rooms]
-    measured: set[tuple[str, str, str]] = set()
     dimensions: list[Dimension] = []
-    for pair in facing_pairs(faces):
-        lower, upper = faces[pair.lower], faces[pair.upper]
-        room = _room_at(pair, faces, rooms, areas)
-        key = (plane_ids[lower.run.plane], plane_ids[upper.run.plane], room)
-        if key in measured or (rooms and not room):
-            continue
-        measured.add(key)
-        at = _clear_position(pair, faces, taken)
-        taken.append(_text_box(lower, upper, at))
+    for stretch in _room_stretches(faces, rooms):
+        lower, upper = faces[stretch.pair.lower], faces[stretch.pair.upper]
+        at = _clear_position(stretch, faces, taken)
         start, end = point_on(lower, at), point_on(upper, at)
-        middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
-        distance = float(upper.offset_m - lower.offset_m)
-        sigma = distance_sigma_m(lower, upper, covariance_m2)
-        dimensions.append(Dimension("", DimensionRole.ROOM, key[0], key[1], lower.axis, distance, sigma, start, end, middle, room))
+        new = Dimension(
+            "",
+            DimensionRole.ROOM,
+            plane_ids[lower.run.plane],
+            plane_ids[upper.run.plane],
+            lower.axis,
+            float(upper.offset_m - lower.offset_m),
+            distance_sigma_m(lower, upper, covariance_m2),
+            start,
+            end,
+            ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2),
+            stretch.room,
+        )
+        if not any(_same_distance(new, old) for old in dimensions):
+            taken.append(_text_box(lower, upper, at))
+            dimensions.append(new)
     return tuple(dimensions)
 
 
-def _room_at(pair: FacingPair, faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], areas: list[Polygon]) -> str:
-    """The room that a line between the two faces crosses all the way, or nothing."""
-    at = 0.5 * (pair.low_m + pair.high_m)
-    line = LineString([point_on(faces[pair.lower], at), point_on(faces[pair.upper], at)])
-    shares = [(line.intersection(area).length / line.length, room.id) for room, area in zip(rooms, areas, strict=True)]
-    share, room_id = max(shares, default=(0.0, ""))
-    return room_id if share > 0.9 else ""
+def _same_distance(a: Dimension, b: Dimension) -> bool:
+    """Whether two dimensions of one room measure the same: both ends on the same lines as far as a drawing shows."""
+    ends = max(abs(a.start[a.axis] - b.start[a.axis]), abs(a.end[a.axis] - b.end[a.axis]))
+    return a.room == b.room and a.axis == b.axis and ends < SAME_LINE_M
 
 
-def _clear_position(pair: FacingPair, faces: tuple[FaceRun, ...], taken: list[Polygon]) -> float:
+def _room_stretches(faces: tuple[FaceRun, ...], rooms: tuple[Room, ...]) -> list[RoomStretch]:
+    """For every facing pair, the longest stretch of lines between the two that stays within one room, longest first."""
+    found = []
+    for pair in facing_pairs(faces):
+        places = np.arange(pair.low_m + STEP_M / 2, pair.high_m, STEP_M)
+        lines = [LineString([point_on(faces[pair.lower], at), point_on(faces[pair.upper], at)]) for at in places]
+        for room in rooms:
+            within = shapely.covers(Polygon(room.outline, room.holes).buffer(SAME_LINE_M), lines)
+            first, last = max(spans(within), key=lambda span: span[1] - span[0], default=(0, 0))
+            if (last - first) * STEP_M >= MIN_SHARED_M:
+                found.append(RoomStretch(pair, room.id, float(places[first]), float(places[last - 1])))
+    return sorted(found, key=lambda stretch: stretch.low_m - stretch.high_m)
+
+
+def _clear_position(stretch: RoomStretch, faces: tuple[FaceRun, ...], taken: list[Polygon]) -> float:
     """Coordinate along the faces at which the text covers least of what is already there."""
 
     def covered(at: float) -> float:
-        text = _text_box(faces[pair.lower], faces[pair.upper], at)
+        text = _text_box(faces[stretch.pair.lower], faces[stretch.pair.upper], at)
         return sum(text.intersection(other).area for other in taken)
 
-    places = [pair.low_m + fraction * (pair.high_m - pair.low_m) for fraction in FRACTIONS]
+    places = [stretch.low_m + fraction * (stretch.high_m - stretch.low_m) for fraction in FRACTIONS]
     return min(places, key=covered)
 
 

@@ -14,6 +14,8 @@ OPEN_SHARE = 0.6  # share of a gap's columns that rays must have passed for it t
 MIN_LINTEL_SHARE = 0.5  # share of a gap's seen columns that must be hit above for a lintel
 HEAD_ROOM_M = 1.7  # a lintel begins no lower than this
 SILL_MAX_M = 1.3  # a window's sill ends no higher than this, a standing person looks out
+SILL_MIN_M = 0.3  # lower is a threshold or a step
+SILL_SHARE = 0.6  # share of a gap's columns that must be wall below the sill
 SILL_CLEAR_M = 0.15  # thresholds and skirting are no sill
 
 
@@ -38,15 +40,23 @@ class Gap:
     def width_m(self) -> float:
         return self.end_m - self.start_m
 
+    @property
+    def is_window(self) -> bool:
+        """Wall below, no wall at eye height."""
+        return self.sill_m is not None and self.sill_m >= SILL_MIN_M
+
 
 def find_gaps(faces: tuple[FaceRun, ...], evidence: tuple[PlaneEvidence, ...], config: PlanConfig, heights: bool) -> tuple[Gap, ...]:
-    """Every gap up to the widest opening, with what the rays say about it."""
+    """Every gap up to the widest door or, over a sill, window, with what the rays say about it."""
     by_plane = {item.plane: item for item in evidence}
     gaps = []
     for index, face in enumerate(faces):
         for start, end, after in _bounds(index, faces):
-            if MIN_SIDE_M < end - start <= config.max_opening_width_m:
-                gaps.append(_gap(index, after, start, end, by_plane[face.run.plane], config, heights))
+            if not MIN_SIDE_M < end - start <= config.max_window_width_m:
+                continue
+            gap = _gap(index, after, start, end, by_plane[face.run.plane], config, heights)
+            if gap.width_m <= config.max_opening_width_m or gap.is_window:
+                gaps.append(gap)
     return tuple(gaps)
 
 
@@ -56,7 +66,7 @@ def _bounds(index: int, faces: tuple[FaceRun, ...]) -> list[tuple[float, float, 
     found: list[tuple[float, float, int | None]] = []
     for direction in (+1, -1):
         at = face.end_m if direction > 0 else face.start_m
-        if face.cornered[direction > 0]:
+        if face.inner[direction > 0]:
             continue
         ahead = [(_distance(face, faces[k], at, direction), k) for k in range(len(faces)) if k != index]
         distance, other = min(ahead, default=(np.inf, -1))
@@ -121,7 +131,7 @@ def _sill_m(hits: Array, passes: Array, evidence: PlaneEvidence) -> float | None
     """Height up to which the gap is wall, or None where it is open to the floor."""
     low, high = evidence.row(SILL_CLEAR_M), evidence.row(SILL_MAX_M)
     wall = hits[:, low:high].sum(axis=0) > passes[:, low:high].sum(axis=0)
-    if not wall.any():
+    if not wall.any() or (hits[:, low:high].sum(axis=1) > 0).mean() < SILL_SHARE:
         return None
     open_rows = np.flatnonzero(~wall & (passes[:, low:high].sum(axis=0) > 0))
     top = np.flatnonzero(wall)[-1]

@@ -37,7 +37,7 @@ def find_openings(
 
 def _may_open(gap: Gap, config: PlanConfig) -> bool:
     wide_enough = config.min_door_width_m <= gap.width_m <= config.max_opening_width_m
-    return wide_enough and gap.passed >= OPEN_SHARE
+    return gap.is_window or (wide_enough and gap.passed >= OPEN_SHARE)
 
 
 def _groups(gaps: list[Gap], faces: tuple[FaceRun, ...], config: PlanConfig) -> list[GapGroup]:
@@ -98,7 +98,7 @@ def _sill_line(axis: int, across: float, start: float, end: float) -> LineString
 
 def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool) -> OpeningKind | None:
     """Door under a lintel, window over a sill, passage where walls end and nothing is above; None where the evidence does not tell."""
-    if not walked and all(gap.sill_m is not None for gap in gaps):
+    if not walked and all(gap.is_window for gap in gaps):
         return OpeningKind.WINDOW
     if any(gap.lintel for gap in gaps):
         return OpeningKind.DOOR

@@ -1,6 +1,7 @@
 """Everything the plan is drawn from, in one frame: planes, sensor positions, evidence points; and the plan frame itself."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from floorplan.model.segment import AXIS_X, AXIS_Y, AXIS_Z, NO_SEGMENT, NO_TRACK
 NO_PLANE = -1  # an evidence point that lies on no layout plane
 MIN_FLOOR_BELOW_SENSOR_M = 0.5  # nobody scans from nearer to the floor; keeps table tops held close out
 FLOOR_SUPPORT_RATIO = 0.2  # a floor has at least this share of the best-supported level surface's points
+CELLS_PER_PLANE = 1 << 20  # 50 km of cells: far beyond any building
 RUN_CELL_M = 0.05  # grain at which the length of a surface is measured when the plan's x direction is chosen
 
 
@@ -50,7 +52,7 @@ def solved_world(
     evidence = segmented.evidence
     frame = np.repeat(np.arange(len(evidence.start) - 1), np.diff(evidence.start))
     sensor_point = evidence.point_sensor_m.astype(np.float64)
-    point = np.einsum("pij,pj->pi", trajectory.world_from_sensor[frame], sensor_point) + trajectory.position_m[frame]
+    point = _placed(sensor_point, evidence.start, trajectory)
     plane_of_segment = _plane_of_segment(tracks, solution)
     on_segment = evidence.segment != NO_SEGMENT
     point_plane = np.full(len(point), NO_PLANE, dtype=np.int64)
@@ -71,6 +73,14 @@ def solved_world(
         sensor.noise.sigma_m(np.linalg.norm(sensor_point, axis=1)),
         heights=sensor.kind is not SensorKind.LASER,
     )
+
+
+def _placed(sensor_point: Array, start: Array, trajectory: Trajectory) -> Array:
+    """Points (P, 3) of all frames under their frames' poses."""
+    world = np.empty_like(sensor_point)
+    for k, (first, last) in enumerate(pairwise(start)):
+        world[first:last] = sensor_point[first:last] @ trajectory.world_from_sensor[k].T + trajectory.position_m[k]
+    return world
 
 
 def _plane_of_segment(tracks: Tracks, solution: LayoutSolution) -> Array:
@@ -134,12 +144,14 @@ def _lowest_offset(world: PlanWorld, axis: int) -> float:
 
 def _longest_runs_along_x(world: PlanWorld) -> bool:
     """Whether the plane with the most 5 cm cells of points along it runs along x."""
-    best = (0, AXIS_Y)
-    for plane in np.flatnonzero(world.plane_axis != AXIS_Z):
-        axis = int(world.plane_axis[plane])
-        along = world.point_m[world.point_plane == plane, 1 - axis]
-        best = max(best, (len(np.unique(np.floor(along / RUN_CELL_M))), axis))
-    return best[1] == AXIS_Y
+    upright = np.flatnonzero((world.point_plane != NO_PLANE) & (world.plane_axis[world.point_plane] != AXIS_Z))
+    if not len(upright):
+        return True
+    plane = world.point_plane[upright]
+    along = np.where(world.plane_axis[plane] == AXIS_X, world.point_m[upright, AXIS_Y], world.point_m[upright, AXIS_X])
+    cells = np.unique(plane * CELLS_PER_PLANE + np.floor(along / RUN_CELL_M).astype(np.int64) % CELLS_PER_PLANE)
+    longest = int(np.argmax(np.bincount(cells // CELLS_PER_PLANE)))
+    return bool(world.plane_axis[longest] == AXIS_Y)
 
 
 def moved(world: PlanWorld, quarters: int, shift_m: Array) -> PlanWorld:

@@ -87,7 +87,7 @@ def count_rays(
 
 @njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
 def mark_free(sensor: Array, point: Array, point_frame: Array, margin: Array, corner: Array, cell: float, crossed: Array) -> None:
-    """Count in `crossed (X, Y)` the rays that went through each grid cell, stopping `margin` before their ends."""
+    """Count in `crossed (X, Y)` the rays that went through each grid cell (Amanatides and Woo), stopping `margin` before their ends."""
     for i in range(point.shape[0]):
         f = point_frame[i]
         x, y = sensor[f, 0], sensor[f, 1]
@@ -95,13 +95,18 @@ def mark_free(sensor: Array, point: Array, point_frame: Array, margin: Array, co
         length = np.sqrt(dx * dx + dy * dy)
         if length <= margin[i]:
             continue
-        steps = int((length - margin[i]) / (cell * 0.5)) + 1
-        last_a, last_b = -1, -1
-        for k in range(steps):
-            t = k * cell * 0.5 / length
-            a, b = int(np.floor((x + t * dx - corner[0]) / cell)), int(np.floor((y + t * dy - corner[1]) / cell))
-            if a < 0 or b < 0 or a >= crossed.shape[0] or b >= crossed.shape[1]:
-                continue
-            if a != last_a or b != last_b:
-                crossed[a, b] += 1
-                last_a, last_b = a, b
+        step_x, step_y = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+        a, b = int(np.floor((x - corner[0]) / cell)), int(np.floor((y - corner[1]) / cell))
+        per_x = cell / abs(dx) if dx != 0 else np.inf  # share of the ray per column, per row
+        per_y = cell / abs(dy) if dy != 0 else np.inf
+        next_x = (corner[0] + (a + (dx > 0)) * cell - x) / dx if dx != 0 else np.inf
+        next_y = (corner[1] + (b + (dy > 0)) * cell - y) / dy if dy != 0 else np.inf
+        end = 1 - margin[i] / length
+        while 0 <= a < crossed.shape[0] and 0 <= b < crossed.shape[1]:
+            crossed[a, b] += 1
+            if min(next_x, next_y) > end:
+                break
+            if next_x < next_y:
+                a, next_x = a + step_x, next_x + per_x
+            else:
+                b, next_y = b + step_y, next_y + per_y

@@ -61,7 +61,7 @@ def opening_barriers(scene: RoomScene, config: PlanConfig) -> tuple[Barrier, ...
         face = scene.faces[gap.face]
         after = face if gap.after is None else scene.faces[gap.after]
         in_wall = gap.lintel or gap.passed < OPEN_SHARE or gap.face in thick or gap.after in thick
-        if gap.width_m <= config.max_door_width_m and in_wall:
+        if gap.is_window or (gap.width_m <= config.max_door_width_m and in_wall):
             closed.append(Barrier(face.axis, face.offset_m, gap.start_m, gap.end_m, solid=False))
             if after.offset_m != face.offset_m:  # the two sides of the opening are not quite in line: close the step
                 closed.append(_step(face, after, gap))
