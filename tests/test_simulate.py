@@ -1,5 +1,6 @@
 """The simulator's own truth: exact, repeatable, and a different building for every seed."""
 
+import itertools
 import json
 from pathlib import Path
 
@@ -112,6 +113,8 @@ def test_hard_adds_tall_cabinets_and_open_door_leaves_and_nothing_in_the_way() -
     kinds = [box.kind for box in scene.building.boxes]
     assert kinds.count(BoxKind.CABINET) >= 4
     assert kinds.count(BoxKind.LEAF) >= 2
+    standing = [box.outline.buffer(-1e-6) for box in scene.building.boxes if box.z1_m > 1.3]
+    assert not any(a.intersects(b) for a, b in itertools.combinations(standing, 2))
     assert clearance_m(scene.building, scene.walk.position_m[::5, :2]) > BODY_RADIUS_M / 2
 
 

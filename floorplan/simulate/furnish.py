@@ -13,6 +13,7 @@ from floorplan.simulate.route import Route
 CLEAR_OF_PATH_M = 0.30  # kept free beside the walker's body
 DOOR_ZONE_M = 0.9  # kept free on both sides of a door
 OPENING_ZONE_M = 0.15  # kept free of piers
+HEAD_ROOM_M = 1.9  # what hangs higher stands in nobody's way
 DARK_SHARE = 0.15  # of the furniture: black lacquer, screens, cloth
 CORRIDOR_DENSITY = 0.35
 BEAM_PITCH_M = (1.8, 2.8)
@@ -27,7 +28,8 @@ def furnish(building: Building, route: Route, rng: np.random.Generator) -> Build
     building = _with_columns(building, route, rng)
     boxes: list[Box] = list(building.boxes)
     for space in building.spaces:
-        keep_free = keep_out(building, space, route)
+        standing = [solid.outline for solid in building.boxes if solid.z0_m < HEAD_ROOM_M]
+        keep_free = unary_union([keep_out(building, space, route), *standing])
         boxes += _along_walls(space, keep_free, rng)
         if space.kind is SpaceKind.ROOM:
             boxes += _tables(space, unary_union([keep_free, *[b.outline for b in boxes]]), rng)

@@ -102,15 +102,15 @@ def _positions(walk: Walk, rates: ErrorRates, size: float) -> Array:
 
 def _rates_for_drift(walk: Walk, drift_m: float, rng: np.random.Generator) -> ErrorRates:
     """A draw whose drift is `drift_m` at an ordinary size: on a closed path most draws cancel out and would need wild ones."""
-    best, best_size = None, np.inf
+    best = _draw_rates(walk, rng)
+    best_size = drift_m / _drift(walk, best, 1.0)  # to first order
     for _ in range(DRAWS):
-        rates = _draw_rates(walk, rng)
-        size = drift_m / _drift(walk, rates, 1.0)  # to first order
-        if best is None or size < best_size:
-            best, best_size = rates, size
         if best_size < ORDINARY_SIZE:
             break
-    assert best is not None  # DRAWS is positive
+        rates = _draw_rates(walk, rng)
+        size = drift_m / _drift(walk, rates, 1.0)
+        if size < best_size:
+            best, best_size = rates, size
     return best
 
 
