@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from floorplan.gravity.horizontal import up_in_frame
 from floorplan.gravity.normals import OrientedPoints, oriented_points
 from floorplan.gravity.search import UpInWorld, search_up, world_normals
 from floorplan.gravity.smoothing import VerticalFilter, smooth_up
+from floorplan.gravity.upright import up_of_frame
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, Problem, Recording
 from floorplan.readers.base import Source
@@ -86,7 +86,7 @@ def _measure(recording: Recording, looks: Iterable[Look], found: UpInWorld) -> M
     for look in looks:
         rotation = recording.odom_from_sensor[look.row]
         filtered = filtered.at(float(recording.stamp_ns[look.row]) * 1e-9)
-        up = up_in_frame(look.oriented, rotation.T @ filtered.up_world, recording.sensor.noise)
+        up = up_of_frame(look.oriented, rotation.T @ filtered.up_world, recording.sensor.noise)
         if up is None or not filtered.admits(rotation @ up.up_sensor, up.sigma_rad):
             continue
         filtered = filtered.with_measured(rotation @ up.up_sensor, up.sigma_rad)

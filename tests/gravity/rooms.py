@@ -24,19 +24,21 @@ class BoxWalk:
     true_rotation: Array
     true_position_m: Array
     visible_z_m: tuple[float, float] = (-1.0, 9.0)
+    range_bias_per_m: float = 0.0  # depth reads as z + bias z^2
 
     def frames(self, indices: Iterable[int], stride: int = 1) -> Iterator[Frame | BadFrame]:
         for i in indices:
-            yield Frame(int(i), int(self.recording.stamp_ns[i]), self._points(int(i))[::stride, ::stride])
+            yield Frame(int(i), int(self.recording.stamp_ns[i]), self.frame_points(int(i))[::stride, ::stride])
 
-    def _points(self, i: int) -> Array:
+    def frame_points(self, i: int) -> Array:
+        """Points (H, W, 3) of frame i."""
         v, u = np.mgrid[: LENS.height, : LENS.width]
         ray = np.stack([(u - LENS.cx) / LENS.fx, (v - LENS.cy) / LENS.fy, np.ones(u.shape)], axis=-1)
         world = ray @ self.true_rotation[i].T
         with np.errstate(divide="ignore", invalid="ignore"):
             to_low, to_high = ((BOX_M[:, side] - self.true_position_m[i]) / world for side in (0, 1))
         depth = np.where(world > 0, to_high, to_low).min(axis=-1)
-        noisy = depth + np.random.default_rng(i).normal(size=depth.shape) * SENSOR.noise.sigma_m(depth)
+        noisy = depth + self.range_bias_per_m * depth**2 + np.random.default_rng(i).normal(size=depth.shape) * SENSOR.noise.sigma_m(depth)
         height = self.true_position_m[i][2] + depth * world[..., 2]
         noisy[(height < self.visible_z_m[0]) | (height > self.visible_z_m[1])] = np.nan
         return np.asarray(ray * noisy[..., None], dtype=np.float32)

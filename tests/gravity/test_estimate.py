@@ -1,5 +1,6 @@
 """Gravity from floor and ceiling against the truth of a room that the tests ray-cast themselves."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ from floorplan.config import IngestConfig
 from floorplan.errors import InputError
 from floorplan.geometry import rotation_between
 from floorplan.gravity import estimate_gravity
+from floorplan.gravity.horizontal import up_in_frame
+from floorplan.gravity.normals import oriented_points
 from floorplan.ingest import ingest
 from floorplan.model.checks import Array
 from floorplan.model.scan import GravitySource
@@ -69,6 +72,14 @@ def test_an_odometry_that_bends_by_six_degrees_is_followed() -> None:
     source, error_deg = estimated(box_walk(bending))
     assert source is GravitySource.ESTIMATED
     assert error_deg < 1.0
+
+
+def test_depth_that_bends_floors_and_ceilings_is_outvoted_by_upright_walls() -> None:
+    walk = replace(box_walk(FIRST_CAMERA), range_bias_per_m=0.02, visible_z_m=(-1.0, 2.5))  # no ceiling to balance the floor
+    floor_alone = up_in_frame(oriented_points(walk.frame_points(20)), walk.true_rotation[20][2], walk.recording.sensor.noise)
+    assert floor_alone is not None
+    assert 1.0 < np.rad2deg(np.arccos(floor_alone.up_sensor @ walk.true_rotation[20][2])) < 3.0
+    assert estimated(walk)[1] < 0.9
 
 
 def test_a_scan_that_shows_no_floor_and_no_ceiling_is_refused_with_the_remedy() -> None:
