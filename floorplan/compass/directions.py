@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.geometry import wrap_to
+from floorplan.compiled import compiled
 from floorplan.grid.normals import SurfaceNormals
 from floorplan.model.checks import Array
 
@@ -16,7 +16,12 @@ _MAX_TILT_SIN = math.sin(math.radians(12.0))  # a wall's normal is level within 
 _SMOOTHING_BINS = 3.0  # 1.5 degrees: the spread of normals of one wall
 _MAX_RESIDUAL_SIGMAS = 2.5  # a window that fits worse holds an edge
 _CORRELATION_M = 0.5  # normals closer than this share windows and surface ripple
+_VIEW_RAD = 1.5  # the angle a view takes in, roughly: only for counting patches
 _SURFACE_SIGMA_RAD = math.radians(0.3)  # one wall piece of that size is no more planar or upright than this
+_LEAST_SHARE = 0.02  # of the upright surface: less is chance
+_CLOSEST_RAD = math.radians(1.0)  # the window about a peak never closes further
+_WINDOW_SPREADS = 2.5
+_ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -38,26 +43,39 @@ class YawEstimate:
     share: float
 
 
-def upright_directions(normals: SurfaceNormals, level_from_sensor: Array, noise_sigma_m: Array) -> Directions:
-    """The upright surfaces of a frame, weighted by how well their normals are known."""
-    good = normals.residual_m < _MAX_RESIDUAL_SIGMAS * noise_sigma_m
-    level = normals.normal[good].astype(np.float64) @ level_from_sensor.T
-    upright = np.abs(level[:, 2]) < _MAX_TILT_SIN
-    sigma = normals.sigma_rad[good][upright].astype(np.float64)
-    range_m = normals.range_m[good][upright]
-    weight = normals.weight[good][upright] / (sigma**2 + _SURFACE_SIGMA_RAD**2)
-    azimuth = np.arctan2(level[upright, 1], level[upright, 0])
-    patches = _patches(azimuth, range_m, normals.weight.shape)
-    return Directions(azimuth, weight, patches)
+def upright_directions(normals: SurfaceNormals, level_from_sensor: Array, step: int = 1) -> Directions:
+    """The upright surfaces of a frame, weighted by how well their normals are known; every `step`-th pixel."""
+    azimuth, weight, mean_range = _upright(
+        normals.normal, normals.sigma_rad, normals.residual_m, normals.noise_m, normals.weight, normals.range_m, level_from_sensor, step
+    )
+    shape = normals.weight.shape
+    sweep = min(shape) == 1
+    pixel_m = mean_range * _VIEW_RAD / max(shape) * step
+    pieces = len(azimuth) * (pixel_m / _CORRELATION_M if sweep else (pixel_m / _CORRELATION_M) ** 2)
+    return Directions(azimuth, weight, max(pieces, 1.0) if len(azimuth) else 0.0)
 
 
-def _patches(azimuth_rad: Array, range_m: Array, shape: tuple[int, ...]) -> float:
-    """Number of pieces of `_CORRELATION_M` the pixels cover, counting a pixel as a fixed part of the view."""
-    if len(azimuth_rad) == 0:
-        return 0.0
-    pixel_m = np.median(range_m) * 1.5 / max(shape)  # a view of roughly 1.5 rad
-    area = len(azimuth_rad) * (pixel_m if min(shape) == 1 else pixel_m**2)
-    return float(max(area / (_CORRELATION_M if min(shape) == 1 else _CORRELATION_M**2), 1.0))
+@compiled
+def _upright(
+    normal: Array, sigma: Array, residual: Array, noise: Array, weight: Array, range_m: Array, level: Array, step: int
+) -> tuple[Array, Array, float]:
+    height, width, _ = normal.shape
+    azimuth, weights = np.empty(height * width), np.empty(height * width)
+    count, range_sum = 0, 0.0
+    for i in range(0, height, step if height > 1 else 1):
+        for j in range(0, width, step):
+            if not residual[i, j] < _MAX_RESIDUAL_SIGMAS * noise[i, j]:
+                continue
+            n0, n1, n2 = normal[i, j, 0], normal[i, j, 1], normal[i, j, 2]
+            if abs(level[2, 0] * n0 + level[2, 1] * n1 + level[2, 2] * n2) >= _MAX_TILT_SIN:
+                continue
+            x = level[0, 0] * n0 + level[0, 1] * n1 + level[0, 2] * n2
+            y = level[1, 0] * n0 + level[1, 1] * n1 + level[1, 2] * n2
+            azimuth[count] = math.atan2(y, x)
+            weights[count] = weight[i, j] / (sigma[i, j] ** 2 + _SURFACE_SIGMA_RAD**2)
+            range_sum += range_m[i, j]
+            count += 1
+    return azimuth[:count].copy(), weights[:count].copy(), range_sum / max(count, 1)
 
 
 def quarter_histogram(directions: Directions) -> Array:
@@ -66,27 +84,49 @@ def quarter_histogram(directions: Directions) -> Array:
     low = np.floor(position).astype(np.int64)
     upper = position - low  # split linearly between bins, so that no direction is preferred
     total = np.bincount(low % BINS, directions.weight * (1 - upper), BINS) + np.bincount((low + 1) % BINS, directions.weight * upper, BINS)
-    offsets = np.arange(-10, 11)
-    kernel = np.exp(-0.5 * (offsets / _SMOOTHING_BINS) ** 2)
-    smooth = sum(k * np.roll(total, o) for k, o in zip(kernel, offsets, strict=True))
-    return np.asarray(smooth / max(float(total.sum()), 1e-12))
+    spectrum = np.fft.rfft(total) * np.fft.rfft(_SMOOTHING_KERNEL)
+    return np.asarray(np.fft.irfft(spectrum, BINS) / max(float(total.sum()), 1e-12))
+
+
+def _smoothing_kernel() -> Array:
+    """Gaussian about bin 0, round the circle; its peak is one, so that a wall without noise scores its full share."""
+    bins = np.arange(BINS)
+    offset = np.minimum(bins, BINS - bins)
+    return np.asarray(np.exp(-0.5 * (offset / _SMOOTHING_BINS) ** 2))
+
+
+_SMOOTHING_KERNEL = _smoothing_kernel()
 
 
 def refine_yaw(directions: Directions, near_rad: float, half_width_rad: float) -> YawEstimate | None:
     """Truncated circular mean about `near_rad`, the window closing in on the peak; None where hardly any surface agrees."""
     if directions.patches == 0:
         return None
-    yaw, total = near_rad, float(directions.weight.sum())
-    width = half_width_rad
-    for _ in range(4):
-        off = wrap_to(directions.azimuth_rad - yaw, QUARTER_RAD)
-        inside = np.abs(off) < width
-        weight = directions.weight[inside]
-        if weight.sum() <= 0.02 * total:
-            return None
-        yaw += float(np.average(off[inside], weights=weight))
-        spread = math.sqrt(float(np.average((off[inside] - np.average(off[inside], weights=weight)) ** 2, weights=weight)))
-        width = min(half_width_rad, max(2.5 * spread, math.radians(1.0)))
-    share = float(weight.sum()) / total
+    yaw, spread, share = _truncated_mean(directions.azimuth_rad, directions.weight, near_rad, half_width_rad)
+    if share <= _LEAST_SHARE:
+        return None
     pieces = max(directions.patches * share, 0.25)
     return YawEstimate(yaw, math.hypot(spread, _SURFACE_SIGMA_RAD) / math.sqrt(pieces), share)
+
+
+@compiled
+def _truncated_mean(azimuth: Array, weight: Array, near: float, half_width: float) -> tuple[float, float, float]:
+    """Mean, spread and share of the weight inside a window that closes in, modulo a quarter turn."""
+    yaw, width, spread, share, total = near, half_width, 0.0, 0.0, weight.sum()
+    for _ in range(_ROUNDS):
+        inside, first, second = 0.0, 0.0, 0.0
+        for k in range(len(azimuth)):
+            off = azimuth[k] - yaw
+            off -= QUARTER_RAD * math.floor(off / QUARTER_RAD + 0.5)
+            if abs(off) < width:
+                inside += weight[k]
+                first += weight[k] * off
+                second += weight[k] * off * off
+        share = inside / total
+        if share <= _LEAST_SHARE:
+            break
+        mean = first / inside
+        spread = math.sqrt(max(second / inside - mean * mean, 0.0))
+        yaw += mean
+        width = min(half_width, max(_WINDOW_SPREADS * spread, _CLOSEST_RAD))
+    return yaw, spread, share

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -93,19 +93,19 @@ def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry
         else:
             weight = pixel_weights(frame.points, frame.confidence)
             normals = surface_normals(frame.points, weight, sensor, 1.0, _WINDOW_M, _NORMAL_SIGMA_RAD)
-            noise = sensor.noise.sigma_m(normals.range_m)
-            ratio = (normals.residual_m / noise)[weight > 0]
+            ratio = (normals.residual_m / normals.noise_m)[weight > 0]
             ratio = ratio[np.isfinite(ratio)]
             if len(ratio):
                 ratios.append(np.quantile(ratio, _NOISE_QUANTILE))
-            kept.append((normals, noise))
+            kept.append(normals)
         progress(done + 1, len(sample))
     if not ratios:
         raise InputError("No frame with usable depth was found in the recording.")
     scale = float(np.clip(np.median(ratios), *_NOISE_SCALE_RANGE))
     nothing = Directions(np.zeros(0), np.zeros(0), 0.0)
     return scale, [
-        nothing if k is None else upright_directions(k[0], odometry.level_from_sensor[sample[i]], k[1] * scale) for i, k in enumerate(kept)
+        nothing if k is None else upright_directions(replace(k, noise_m=k.noise_m * scale), odometry.level_from_sensor[sample[i]])
+        for i, k in enumerate(kept)
     ]
 
 

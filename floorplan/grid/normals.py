@@ -25,12 +25,14 @@ _CONFIDENCE_WEIGHT = np.array([0.0, 0.3, 1.0], dtype=np.float32)  # phones: none
 @dataclass(frozen=True)
 class SurfaceNormals:
     """Per pixel: `normal (H, W, 3) float32` towards the sensor, NaN where there is none; `range_m (H, W)` of the fitted
-    surface, `sigma_rad (H, W)` of the normal, `residual_m (H, W)` rms of the window along the rays; `weight (H, W)` of the pixel."""
+    surface, `sigma_rad (H, W)` of the normal, `residual_m (H, W)` rms of the window along the rays; `noise_m (H, W)` what
+    one reading's standard deviation should be, `weight (H, W)` of the pixel."""
 
     normal: Array
     range_m: Array
     sigma_rad: Array
     residual_m: Array
+    noise_m: Array
     weight: Array
 
 
@@ -84,50 +86,47 @@ def _ray_tables(points: Array, weight: Array) -> Array:
 @compiled
 def _half_window_px(range_m: float, sigma_m: float, ray_step: float, window_m: float, normal_sigma: float, flat: bool) -> int:
     """Half window: `window_m` across, and more until the fitted normal is as sure as asked."""
-    half = max(int(0.5 * window_m / (range_m * ray_step) + 0.5), 2 if flat else 1)
-    while half < _MAX_HALF_WINDOW_PX:
-        count = (2 * half + 1) if flat else (2 * half + 1) ** 2
-        spread_m = range_m * ray_step * half / math.sqrt(3.0)
-        if sigma_m <= normal_sigma * spread_m * math.sqrt(count):
-            break
-        half += 1
-    return min(half, _MAX_HALF_WINDOW_PX)
+    pixel_m = range_m * ray_step
+    metric = int(0.5 * window_m / pixel_m + 0.5)
+    # sigma / (spread sqrt(count)) = normal_sigma with spread = pixel half / sqrt(3): count 2 half + 1 or its square.
+    need = math.sqrt(3.0) * sigma_m / (normal_sigma * pixel_m)
+    sure = (0.5 * need * need) ** (1.0 / 3.0) if flat else 0.25 * (math.sqrt(1.0 + 8.0 * need) - 1.0)
+    return min(max(metric, int(math.ceil(sure)), 2 if flat else 1), _MAX_HALF_WINDOW_PX)
 
 
 @compiled
 def _solve_plane(s: Array, g: Array) -> bool:
-    """Solve the 3 x 3 normal equations in `s` into `g` (Cholesky); False when they are singular."""
+    """Solve the 3 x 3 normal equations in `s` into `g` (L D L^T); False when they are singular."""
     ridge = _RIDGE * s[0]
-    l00 = math.sqrt(s[1] + ridge)
-    l10, l20 = s[2] / l00, s[3] / l00
-    d11 = s[4] + ridge - l10 * l10
-    if d11 <= 0:
+    i0 = 1.0 / (s[1] + ridge)
+    l10, l20 = s[2] * i0, s[3] * i0
+    d1 = s[4] + ridge - l10 * s[2]
+    if d1 <= 0:
         return False
-    l11 = math.sqrt(d11)
-    l21 = (s[5] - l20 * l10) / l11
-    d22 = s[6] + ridge - l20 * l20 - l21 * l21
-    if d22 <= 0:
+    i1 = 1.0 / d1
+    m21 = s[5] - l20 * s[2]
+    l21 = m21 * i1
+    d2 = s[6] + ridge - l20 * s[3] - l21 * m21
+    if d2 <= 0:
         return False
-    l22 = math.sqrt(d22)
-    y0 = s[7] / l00
-    y1 = (s[8] - l10 * y0) / l11
-    y2 = (s[9] - l20 * y0 - l21 * y1) / l22
-    g[2] = y2 / l22
-    g[1] = (y1 - l21 * g[2]) / l11
-    g[0] = (y0 - l10 * g[1] - l20 * g[2]) / l00
+    y1 = s[8] - l10 * s[7]
+    g[2] = (s[9] - l20 * s[7] - l21 * y1) / d2
+    g[1] = y1 * i1 - l21 * g[2]
+    g[0] = s[7] * i0 - l10 * g[1] - l20 * g[2]
     return True
 
 
 @compiled
 def _fit_windows(
     points: Array, weight: Array, noise: Array, ray_step: float, window_m: float, normal_sigma: float
-) -> tuple[Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array]:
     height, width, _ = points.shape
     table = _ray_tables(points, weight)
     normal = np.full((height, width, 3), np.nan, np.float32)
     fitted = np.full((height, width), np.nan, np.float32)
     sigma = np.full((height, width), np.nan, np.float32)
     residual = np.full((height, width), np.nan, np.float32)
+    expected = np.full((height, width), np.nan, np.float32)
     s, g = np.zeros(_CHANNELS), np.zeros(3)
     flat = height == 1
     for i in range(height):
@@ -137,6 +136,7 @@ def _fit_windows(
             x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
             rho = math.sqrt(x * x + y * y + z * z)
             sigma_m = noise[0] + noise[1] * rho + noise[2] * rho * rho
+            expected[i, j] = sigma_m
             half = _half_window_px(rho, sigma_m, ray_step, window_m, normal_sigma, flat)
             top, bottom = max(i - half, 0), min(i + half + 1, height)
             left, right = max(j - half, 0), min(j + half + 1, width)
@@ -155,4 +155,4 @@ def _fit_windows(
             sigma[i, j] = sigma_m / (spread_m * math.sqrt(s[0]))
             for k in range(3):
                 normal[i, j, k] = -g[k] / size
-    return normal, fitted, sigma, residual
+    return normal, fitted, sigma, residual, expected

@@ -34,7 +34,7 @@ def mode_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
     histogram = np.zeros(bins)
     for k in range(len(coordinate)):
         histogram[int((coordinate[k] - low) / BIN_M)] += weight[k]
-    half = int(np.median(sigma) / BIN_M + 0.5)
+    half = int(sigma.mean() / BIN_M + 0.5)
     best, best_sum = 0, -1.0
     for b in range(bins):
         total = histogram[max(b - half, 0) : b + half + 1].sum()
@@ -64,8 +64,10 @@ def ransac_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
 @compiled
 def fit_components(
     points: Array, weight: Array, noise_m: Array, axis_of: Array, start: Array, order: Array, rotation: Array, ransac: bool
-) -> Array:
-    """One row of `Column` per component; the offset is along the component's axis, relative to the sensor."""
+) -> tuple[Array, Array]:
+    """One row of `Column` per component, the offset along its axis relative to the sensor; and each pixel's component
+    (H, W) int32 where it is an inlier, else -1."""
+    inlier_of = np.full(weight.size, -1, np.int32)
     fits = np.zeros((len(axis_of), COLUMNS))
     flat_points, flat_weight, flat_noise = points.reshape(-1, 3), weight.ravel(), noise_m.ravel()
     width = points.shape[1]
@@ -75,9 +77,9 @@ def fit_components(
         count = len(pixels)
         coordinate, w, sigma = np.empty(count), np.empty(count), np.empty(count)
         for k in range(count):
-            p = flat_points[pixels[k]]
-            coordinate[k] = axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]
-            rho = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+            x, y, z = flat_points[pixels[k], 0], flat_points[pixels[k], 1], flat_points[pixels[k], 2]
+            coordinate[k] = axis[0] * x + axis[1] * y + axis[2] * z
+            rho = math.sqrt(x * x + y * y + z * z)
             across = flat_noise[pixels[k]] * max(abs(coordinate[k]) / rho, LEAST_COS)
             sigma[k] = math.sqrt(across * across + FLOOR_M * FLOOR_M)
             w[k] = flat_weight[pixels[k]] / (sigma[k] * sigma[k])
@@ -90,8 +92,11 @@ def fit_components(
                     mean += w[k] * coordinate[k]
             if total > 0:
                 offset = mean / total
+        for k in range(count):
+            if abs(coordinate[k] - offset) < INLIER_SIGMAS * sigma[k]:
+                inlier_of[pixels[k]] = c
         _moments(flat_points, pixels, coordinate, w, sigma, offset, width, fits[c])
-    return fits
+    return fits, inlier_of.reshape(weight.shape)
 
 
 @compiled
@@ -104,17 +109,18 @@ def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: A
     for k in range(len(pixels)):
         if abs(coordinate[k] - offset) >= INLIER_SIGMAS * sigma[k]:
             continue
-        p = points[pixels[k]]
+        x, y, z = points[pixels[k], 0], points[pixels[k], 1], points[pixels[k], 2]
         total += w[k]
         inliers += 1
-        for a in range(3):
-            mean[a] += w[k] * p[a]
-        square[0] += w[k] * p[0] * p[0]
-        square[1] += w[k] * p[0] * p[1]
-        square[2] += w[k] * p[0] * p[2]
-        square[3] += w[k] * p[1] * p[1]
-        square[4] += w[k] * p[1] * p[2]
-        square[5] += w[k] * p[2] * p[2]
+        mean[0] += w[k] * x
+        mean[1] += w[k] * y
+        mean[2] += w[k] * z
+        square[0] += w[k] * x * x
+        square[1] += w[k] * x * y
+        square[2] += w[k] * x * z
+        square[3] += w[k] * y * y
+        square[4] += w[k] * y * z
+        square[5] += w[k] * z * z
         blocks[(pixels[k] // width // BLOCK_PX) * block_columns + (pixels[k] % width) // BLOCK_PX] += w[k] * (coordinate[k] - offset)
     if total <= 0:
         return

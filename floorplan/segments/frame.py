@@ -17,8 +17,8 @@ from floorplan.model.segment import Segments
 from floorplan.segments.evidence import thin
 from floorplan.segments.fit import Column, fit_components
 from floorplan.segments.free_patches import off_axis_patches
-from floorplan.segments.labels import label_by_normals
-from floorplan.segments.support import extents_and_area, grow
+from floorplan.segments.labels import Labels, label_by_normals
+from floorplan.segments.support import extents_and_areas, grow
 from floorplan.segments.values import FrameRotation, SegmentedFrame
 from floorplan.segments.vote import label_by_vote
 
@@ -26,8 +26,7 @@ _YAW_HALF_WIDTH_RAD = math.radians(3.0)
 _WEAK_SHARE = 0.15  # of the upright surface: fewer agree by chance
 _LEAST_COMPONENT_PX = 40
 _LEAST_SWEEP_BEAMS = 5
-_GATE_M, _GATE_SIGMAS = 0.015, 0.5  # step between neighbouring pixels of the FITTED surface; its noise is a fraction of a pixel's
-_VOTE_GATE_SIGMAS = 3.0  # ... of raw pixels
+_YAW_PIXEL_STEP = 2  # the frame's own yaw is only a first guess here: a quarter of its pixels will do
 _MAX_TILT = math.tan(math.radians(4.0))  # a segment further off its axis belongs to another surface
 _TILT_SIGMAS = 2.0
 _LEAST_INLIER_SHARE = 0.5
@@ -36,10 +35,9 @@ _GROWTH_ROUNDS = 6  # pixels: the half window a normal cannot reach
 
 @dataclass(frozen=True)
 class Look:
-    """What a frame is looked at with: sensor, noise of each pixel (H, W), angle between pixels, pixels of the full image per pixel."""
+    """What a frame is looked at with: sensor, angle between pixels, pixels of the full image per pixel."""
 
     sensor: Sensor
-    noise_m: Array
     ray_step_rad: float
     pixels_per_point: float
 
@@ -55,22 +53,24 @@ class Look:
 def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor, config: SegmentsConfig) -> SegmentedFrame:
     """Layout segments of keyframe `index`, seen in `frame`."""
     points = np.ascontiguousarray(frame.points)
-    look = _look(points, sensor, prior.noise_scale)
+    look = _look(points, sensor)
     weight = pixel_weights(points, frame.confidence)
     normals = surface_normals(points, weight, sensor, prior.noise_scale, config.window_m, math.radians(config.normal_sigma_deg))
-    rotation = _frame_rotation(normals, look, prior, index)
-    components, labels = _clusters(points, weight, normals, look, rotation.world_from_sensor, config)
-    fits, kept = _planes(points, weight, components, look, rotation.world_from_sensor, config)
-    axis, index_of_pixel = components.label[kept] // 2, _renumbered(components.index, kept, len(components.label))
+    rotation = _frame_rotation(normals, prior, index)
+    labels = _labels(points, normals, look, rotation.world_from_sensor, config)
+    least = _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
+    components = connected_components(labels.label, labels.world_m, labels.gate_m, least)
+    fits, kept, inlier_of = _planes(points, normals, components, rotation.world_from_sensor, config)
+    axis, index_of_pixel = components.label[kept] // 2, _renumbered(inlier_of, kept, len(components.label))
     r = rotation.world_from_sensor
-    grown = grow(points, normals.normal, weight, look.noise_m, r, index_of_pixel, axis, fits[:, Column.OFFSET], _GROWTH_ROUNDS)
-    extent, area = extents_and_area(points, r, grown, len(axis), look.ray_step_rad, look.camera)
+    grown = grow(points, normals.normal, weight, normals.noise_m, r, index_of_pixel, axis, fits[:, Column.OFFSET], _GROWTH_ROUNDS)
+    extent, area = extents_and_areas(points, r, grown, len(axis), look.ray_step_rad, look.camera)
     segments = _segments(index, components.label[kept], fits, extent, area, look)
     keep = _large_enough(segments, look, config)
     grown = _renumbered(grown, keep, len(segments))
-    patches = off_axis_patches(components, points, look.noise_m, r, index, look.pixels_per_point)
+    patches = off_axis_patches(components, points, normals.noise_m, r, index, look.pixels_per_point)
     evidence = thin(points, weight, grown, index, config.evidence_points, look.pixels_per_point)
-    return SegmentedFrame(rotation, take(segments, keep), patches, evidence, labels, grown)
+    return SegmentedFrame(rotation, take(segments, keep), patches, evidence, labels.label, grown)
 
 
 def take(segments: Segments, rows: Array) -> Segments:
@@ -78,18 +78,17 @@ def take(segments: Segments, rows: Array) -> Segments:
     return Segments(*(getattr(segments, name)[rows] for name in Segments.__dataclass_fields__))
 
 
-def _look(points: Array, sensor: Sensor, noise_scale: float) -> Look:
+def _look(points: Array, sensor: Sensor) -> Look:
     ratio = sensor.width / points.shape[1]
-    noise = sensor.noise.sigma_m(np.linalg.norm(points, axis=2)) * noise_scale
-    return Look(sensor, noise.astype(np.float32), sensor.ray_step_rad * ratio, ratio * (ratio if sensor.height > 1 else 1.0))
+    return Look(sensor, sensor.ray_step_rad * ratio, ratio * (ratio if sensor.height > 1 else 1.0))
 
 
-def _frame_rotation(normals: SurfaceNormals, look: Look, prior: CompassPrior, index: int) -> FrameRotation:
+def _frame_rotation(normals: SurfaceNormals, prior: CompassPrior, index: int) -> FrameRotation:
     """Prior yaw, drawn to what the frame's own surfaces say as far as each can be trusted."""
     level, yaw, sigma = prior.level_from_sensor[index], float(prior.yaw_rad[index]), float(prior.yaw_sigma_rad[index])
     if prior.final:
         return FrameRotation(rotation_about_z(yaw) @ level, sigma, bool(prior.measured[index]))
-    estimate = refine_yaw(upright_directions(normals, level, look.noise_m), -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
+    estimate = refine_yaw(upright_directions(normals, level, 1 if len(normals.weight) == 1 else _YAW_PIXEL_STEP), -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
     if estimate is None or estimate.share < _WEAK_SHARE:
         return FrameRotation(rotation_about_z(yaw) @ level, sigma, False)
     off = float(wrap_to(-estimate.yaw_rad - yaw, QUARTER_RAD))
@@ -97,32 +96,26 @@ def _frame_rotation(normals: SurfaceNormals, look: Look, prior: CompassPrior, in
     return FrameRotation(rotation_about_z(yaw + gain * off) @ level, sigma * math.sqrt(1 - gain), True)
 
 
-def _clusters(
-    points: Array, weight: Array, normals: SurfaceNormals, look: Look, rotation: Array, config: SegmentsConfig
-) -> tuple[Components, Array]:
+def _labels(points: Array, normals: SurfaceNormals, look: Look, rotation: Array, config: SegmentsConfig) -> Labels:
     if config.method == "vote":
-        labels = label_by_vote(points, weight, look.noise_m, rotation, look.ray_step_rad, config.window_m)
-        surface, gate = points, _GATE_M + _VOTE_GATE_SIGMAS * look.noise_m
-    else:
-        labels = label_by_normals(normals, look.noise_m, rotation, math.radians(config.tolerance_deg))
-        surface = points * (normals.range_m / np.linalg.norm(points, axis=2))[..., None]
-        gate = _GATE_M + _GATE_SIGMAS * look.noise_m
-    world = (surface @ rotation.T.astype(np.float32)).astype(np.float32)
-    least = _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
-    return connected_components(labels, world, gate.astype(np.float32), least), labels
+        return label_by_vote(points, normals.weight, normals.noise_m, rotation, look.ray_step_rad, config.window_m)
+    return label_by_normals(points, normals, rotation, math.radians(config.tolerance_deg))
 
 
 def _planes(
-    points: Array, weight: Array, components: Components, look: Look, rotation: Array, config: SegmentsConfig
-) -> tuple[Array, Array]:
-    """Fits of the axis-aligned components that are planes, and which components those are."""
+    points: Array, normals: SurfaceNormals, components: Components, rotation: Array, config: SegmentsConfig
+) -> tuple[Array, Array, Array]:
+    """Fits of the axis-aligned components that are planes, which components those are, and the component of each inlying pixel."""
     axis = np.minimum(components.label // 2, 2).astype(np.int64)
-    fits = fit_components(points, weight, look.noise_m, axis, components.start, components.order, rotation, config.method == "vote")
+    ransac = config.method == "vote"
+    fits, inlier_of = fit_components(
+        points, normals.weight, normals.noise_m, axis, components.start, components.order, rotation, ransac
+    )
     plane = (components.label < 6) & (fits[:, Column.SHARE] >= _LEAST_INLIER_SHARE) & (fits[:, Column.COUNT] >= _LEAST_SWEEP_BEAMS)
     facing = np.where(components.label % 2 == 1, 1, -1)
     plane &= facing * fits[:, Column.OFFSET] < 0  # a surface is seen from the side it faces
     plane &= _tilt_is_small(fits, axis, rotation)
-    return fits[plane], plane
+    return fits[plane], plane, inlier_of
 
 
 def _tilt_is_small(fits: Array, axis: Array, rotation: Array) -> Array:

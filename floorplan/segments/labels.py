@@ -5,6 +5,7 @@ for upright surfaces that follow no axis; UNLABELLED for the rest.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,32 +19,55 @@ _MAX_RESIDUAL_SIGMAS = 2.5  # a window that fits worse holds an edge
 _MAX_TILT_RAD = math.radians(10.0)  # an upright surface's normal is this close to level
 _MAX_SIGMA_RAD = math.radians(6.0)  # normals worse than this say nothing
 _SIGMAS = 1.5  # of the normal's own noise, added to the tolerance
+_GATE_M, _GATE_SIGMAS = 0.015, 0.5  # step between neighbouring pixels of the FITTED surface; its noise is a fraction of a pixel's
 
 
-def label_by_normals(normals: SurfaceNormals, noise_sigma_m: Array, world_from_sensor: Array, tolerance_rad: float) -> Array:
-    """Labels (H, W) int8: the axis within `tolerance_rad` of the pixel's normal."""
-    return _label(
-        normals.normal, normals.sigma_rad, normals.residual_m, noise_sigma_m.astype(np.float32), world_from_sensor, tolerance_rad
+@dataclass(frozen=True)
+class Labels:
+    """`label (H, W) int8`; `world_m (H, W, 3) float32` where each labelled pixel's surface is, in world axes about the
+    sensor; `gate_m (H, W)` how far neighbours on one surface may differ."""
+
+    label: Array
+    world_m: Array
+    gate_m: Array
+
+
+def label_by_normals(points: Array, normals: SurfaceNormals, world_from_sensor: Array, tolerance_rad: float) -> Labels:
+    """The axis within `tolerance_rad` of each pixel's normal."""
+    label, world = _label(
+        points, normals.normal, normals.range_m, normals.sigma_rad, normals.residual_m, normals.noise_m, world_from_sensor, tolerance_rad
     )
+    return Labels(label, world, _GATE_M + _GATE_SIGMAS * normals.noise_m)
 
 
 @compiled
-def _label(normal: Array, sigma_rad: Array, residual_m: Array, noise_m: Array, rotation: Array, tolerance_rad: float) -> Array:
+def _label(
+    points: Array, normal: Array, range_m: Array, sigma_rad: Array, residual_m: Array, noise_m: Array, r: Array, tolerance_rad: float
+) -> tuple[Array, Array]:
     height, width, _ = normal.shape
     labels = np.full((height, width), UNLABELLED, np.int8)
+    world = np.empty((height, width, 3), np.float32)
     for i in range(height):
         for j in range(width):
             sigma = sigma_rad[i, j]
             if not sigma < _MAX_SIGMA_RAD or not residual_m[i, j] < _MAX_RESIDUAL_SIGMAS * noise_m[i, j]:
                 continue
             n0, n1, n2 = normal[i, j, 0], normal[i, j, 1], normal[i, j, 2]
-            least = math.cos(tolerance_rad + _SIGMAS * sigma)
-            level = 0.0
+            off = tolerance_rad + _SIGMAS * sigma
+            least = 1.0 - 0.5 * off * off  # cosine of a small angle
+            up = r[2, 0] * n0 + r[2, 1] * n1 + r[2, 2] * n2
+            label = UNLABELLED
             for axis in range(3):
-                along = rotation[axis, 0] * n0 + rotation[axis, 1] * n1 + rotation[axis, 2] * n2
+                along = r[axis, 0] * n0 + r[axis, 1] * n1 + r[axis, 2] * n2
                 if abs(along) > least:
-                    labels[i, j] = axis * 2 + (1 if along > 0 else 0)
-                level = along
-            if labels[i, j] == UNLABELLED and abs(level) < _MAX_TILT_RAD + sigma:
-                labels[i, j] = OFF_AXIS
-    return labels
+                    label = axis * 2 + (1 if along > 0 else 0)
+            if label == UNLABELLED and abs(up) < _MAX_TILT_RAD + sigma:
+                label = OFF_AXIS
+            if label == UNLABELLED:
+                continue
+            labels[i, j] = label
+            x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
+            fitted = range_m[i, j] / math.sqrt(x * x + y * y + z * z)
+            for a in range(3):
+                world[i, j, a] = (r[a, 0] * x + r[a, 1] * y + r[a, 2] * z) * fitted
+    return labels, world

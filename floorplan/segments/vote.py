@@ -6,7 +6,7 @@ import numpy as np
 
 from floorplan.compiled import compiled
 from floorplan.model.checks import Array
-from floorplan.segments.labels import UNLABELLED
+from floorplan.segments.labels import UNLABELLED, Labels
 
 _MAX_HALF_PX = 7  # neighbourhoods close to the sensor would otherwise hold a thousand pixels
 _MIN_HALF_PX = 1
@@ -14,15 +14,17 @@ _SAMPLES = 7  # look-ups per side of the neighbourhood, evenly spread
 _LEAST_SUPPORT = 0.6  # share of the neighbourhood that must lie on the plane
 _SIGMAS = 2.0  # neighbour and pixel both carry noise
 _FLOOR_M = 0.005
+_GATE_M, _GATE_SIGMAS = 0.015, 3.0  # step between neighbouring raw pixels of one surface
 
 
-def label_by_vote(points: Array, weight: Array, noise_sigma_m: Array, world_from_sensor: Array, ray_step: float, window_m: float) -> Array:
-    """Labels (H, W) int8 by the vote of the neighbourhood `window_m` across."""
-    return _vote(np.ascontiguousarray(points), weight, noise_sigma_m.astype(np.float32), world_from_sensor, ray_step, window_m)
+def label_by_vote(points: Array, weight: Array, noise_m: Array, world_from_sensor: Array, ray_step: float, window_m: float) -> Labels:
+    """The axis the neighbourhood `window_m` across votes for."""
+    label, world = _vote(points, weight, noise_m, world_from_sensor, ray_step, window_m)
+    return Labels(label, world, _GATE_M + _GATE_SIGMAS * noise_m)
 
 
 @compiled
-def _vote(points: Array, weight: Array, noise_m: Array, rotation: Array, ray_step: float, window_m: float) -> Array:
+def _vote(points: Array, weight: Array, noise_m: Array, rotation: Array, ray_step: float, window_m: float) -> tuple[Array, Array]:
     height, width, _ = points.shape
     labels = np.full((height, width), UNLABELLED, np.int8)
     world = np.empty((height, width, 3), np.float32)
@@ -61,4 +63,4 @@ def _vote(points: Array, weight: Array, noise_m: Array, rotation: Array, ray_ste
             best = np.argmax(votes)
             if votes[best] >= _LEAST_SUPPORT * looked:
                 labels[i, j] = best * 2 + (1 if world[i, j, best] < 0 else 0)
-    return labels
+    return labels, world
