@@ -62,6 +62,7 @@ class TrackingConfig:
     """Segments of consecutive frames to initial planes, in `3-least-squares`."""
 
     gate_m: float = 0.05  # 3-8 cm measured equally good; 15 cm loses precision
+    tight_gate_m: float = 0.02  # plus three sigmas of the segment: well seen planes a few cm apart stay apart
     gap_m: float = 0.30  # along the plane: a new sighting touches the last one, or nearly
     missed_frames: int = 3  # keyframes a plane may be out of sight
     missed_s: float = 2.0  # ... or seconds, as long as hardly a step was walked: turning on the spot

@@ -5,6 +5,7 @@ live track of its axis and facing within the gate whose recent box it touches; o
 is ever joined again after a real break: that is the merge's decision.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,9 @@ from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import NO_TRACK, SegmentedScan, Segments, Tracks
 
 _MEMORY = 0.7  # weight of the past in a track's running offset: about three sightings
+_GATE_SIGMAS = 3.0
+_APART_M, _APART_SIGMAS = 0.012, 2.0  # two pieces of one view further apart than this are two planes
+_NEVER = -1  # frame of a track not seen yet
 
 
 @dataclass
@@ -29,6 +33,8 @@ class _Live:
     last_frame: int
     last_walked_m: float
     last_stamp_s: float
+    seen_at_m: float = 0.0  # where the last keyframe's largest piece of it was
+    seen_sigma_m: float = 0.0
 
 
 @dataclass
@@ -39,6 +45,19 @@ class _Found:
     live: list[_Live] = field(default_factory=list)
     axis: list[int] = field(default_factory=list)
     facing: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Sighting:
+    """A segment in dead-reckoned coordinates, with the gate its own noise allows."""
+
+    axis: int
+    facing: int
+    offset_m: float
+    sigma_m: float
+    box_m: Array
+    gate_m: float
+    frame: int
 
 
 @dataclass(frozen=True)
@@ -81,16 +100,20 @@ def _follow(found: _Found, segments: Segments, rows: range, moment: _Moment, con
     by_support = sorted(rows, key=lambda s: -int(segments.pixels[s]))
     for s in by_support:
         offset = float(segments.distance_m[s] + moment.position_m[segments.axis[s]])
-        match = _nearest(found.live, int(segments.axis[s]), int(segments.facing[s]), offset, boxes[s], config)
-        if match is None:
-            match = _Live(
-                len(found.axis), int(segments.axis[s]), int(segments.facing[s]), offset, boxes[s], moment.frame, 0.0, moment.stamp_s
-            )
-            found.axis.append(match.axis)
-            found.facing.append(match.facing)
-            found.live.append(match)
-        _see(match, offset, boxes[s], moment)
+        gate_m = min(config.gate_m, config.tight_gate_m + _GATE_SIGMAS * float(segments.sigma_m[s]))
+        sigma_m = float(segments.sigma_m[s])
+        seen = _Sighting(int(segments.axis[s]), int(segments.facing[s]), offset, sigma_m, boxes[s], gate_m, moment.frame)
+        match = _nearest(found.live, seen, config) or _new_track(found, seen)
+        _see(match, seen, moment)
         found.track_of_segment[s] = match.number
+
+
+def _new_track(found: _Found, seen: _Sighting) -> _Live:
+    match = _Live(len(found.axis), seen.axis, seen.facing, seen.offset_m, seen.box_m, _NEVER, 0.0, 0.0)
+    found.axis.append(match.axis)
+    found.facing.append(match.facing)
+    found.live.append(match)
+    return match
 
 
 def _alive(live: _Live, moment: _Moment, config: TrackingConfig) -> bool:
@@ -100,20 +123,29 @@ def _alive(live: _Live, moment: _Moment, config: TrackingConfig) -> bool:
     return moment.walked_m - live.last_walked_m <= config.missed_walk_m and moment.stamp_s - live.last_stamp_s <= config.missed_s
 
 
-def _nearest(live: list[_Live], axis: int, facing: int, offset_m: float, box_m: Array, config: TrackingConfig) -> _Live | None:
+def _nearest(live: list[_Live], seen: _Sighting, config: TrackingConfig) -> _Live | None:
     """The one live track the segment belongs to; None where there is none."""
     near = [
-        (abs(t.offset_m - offset_m), t.number, t)
+        (abs(t.offset_m - seen.offset_m), t.number, t)
         for t in live
-        if t.axis == axis
-        and t.facing == facing
-        and abs(t.offset_m - offset_m) < config.gate_m
-        and _gap_m(t.box_m, box_m, axis) < config.gap_m
+        if t.axis == seen.axis
+        and t.facing == seen.facing
+        and abs(t.offset_m - seen.offset_m) < seen.gate_m
+        and _gap_m(t.box_m, seen.box_m, seen.axis) < config.gap_m
+        and not _seen_apart(t, seen)
     ]
     if not near:
         return None
     near.sort(key=lambda n: n[:2])
     return near[0][2]
+
+
+def _seen_apart(live: _Live, seen: _Sighting) -> bool:
+    """Whether this very keyframe shows the track's plane elsewhere: errors of one view are common to both, so the difference is sure."""
+    if live.last_frame != seen.frame:
+        return False
+    noise_m = _APART_SIGMAS * math.hypot(live.seen_sigma_m, seen.sigma_m)
+    return abs(live.seen_at_m - seen.offset_m) > _APART_M + noise_m
 
 
 def _gap_m(first: Array, second: Array, axis: int) -> float:
@@ -122,11 +154,13 @@ def _gap_m(first: Array, second: Array, axis: int) -> float:
     return float(max(np.delete(gaps, axis).max(), 0.0))
 
 
-def _see(live: _Live, offset_m: float, box_m: Array, moment: _Moment) -> None:
+def _see(live: _Live, seen: _Sighting, moment: _Moment) -> None:
     fresh = live.last_frame != moment.frame
-    live.offset_m = _MEMORY * live.offset_m + (1 - _MEMORY) * offset_m
+    live.offset_m = _MEMORY * live.offset_m + (1 - _MEMORY) * seen.offset_m
     # The box is what was seen last, widened while several pieces of one frame belong to the track.
-    live.box_m = box_m if fresh else _union(live.box_m, box_m)
+    live.box_m = seen.box_m if fresh else _union(live.box_m, seen.box_m)
+    if fresh:
+        live.seen_at_m, live.seen_sigma_m = seen.offset_m, seen.sigma_m
     live.last_frame, live.last_walked_m, live.last_stamp_s = moment.frame, moment.walked_m, moment.stamp_s
 
 

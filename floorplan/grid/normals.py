@@ -91,7 +91,7 @@ def _half_window_px(range_m: float, sigma_m: float, ray_step: float, window_m: f
     # sigma / (spread sqrt(count)) = normal_sigma with spread = pixel half / sqrt(3): count 2 half + 1 or its square.
     need = math.sqrt(3.0) * sigma_m / (normal_sigma * pixel_m)
     sure = (0.5 * need * need) ** (1.0 / 3.0) if flat else 0.25 * (math.sqrt(1.0 + 8.0 * need) - 1.0)
-    return min(max(metric, int(math.ceil(sure)), 2 if flat else 1), _MAX_HALF_WINDOW_PX)
+    return min(max(metric, math.ceil(sure), 2 if flat else 1), _MAX_HALF_WINDOW_PX)
 
 
 @compiled

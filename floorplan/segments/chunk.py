@@ -44,6 +44,8 @@ def _joined(frames: Sequence[SegmentedFrame], index: Array, problems: tuple[Prob
         np.array([f.rotation.yaw_sigma_rad for f in frames]),
         np.array([f.rotation.measured for f in frames], dtype=bool),
         join_segments([f.segments for f in frames]),
+        np.concatenate([np.zeros(0), *(f.ripple_m2 for f in frames)]),
+        np.concatenate([np.zeros(0), *(f.blocks for f in frames)]),
         join_patches([f.free_patches for f in frames]),
         join_evidence([f.evidence for f in frames], [len(f.segments) for f in frames]),
         problems,

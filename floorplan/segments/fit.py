@@ -17,13 +17,14 @@ LEAST_COS = 0.25  # grazing rays: pixel footprint and range noise act along the 
 _REFINEMENTS = 4
 _RANSAC_TRIALS = 64
 BLOCK_PX = 8  # pixels closer than this share their error
-COLUMNS = 14  # of a fit: see `Column`
+COLUMNS = 16  # of a fit: see `Column`
 
 
 class Column:
-    """A fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes), offset, variance, share."""
+    """A fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes), offset, variance,
+    share of inliers, ripple^2, blocks."""
 
-    COUNT, WEIGHT, CENTROID, SCATTER, OFFSET, VARIANCE, SHARE = 0, 1, 2, 5, 11, 12, 13
+    COUNT, WEIGHT, CENTROID, SCATTER, OFFSET, VARIANCE, SHARE, RIPPLE, BLOCKS = 0, 1, 2, 5, 11, 12, 13, 14, 15
 
 
 @compiled
@@ -95,17 +96,17 @@ def fit_components(
         for k in range(count):
             if abs(coordinate[k] - offset) < INLIER_SIGMAS * sigma[k]:
                 inlier_of[pixels[k]] = c
-        _moments(flat_points, pixels, coordinate, w, sigma, offset, width, fits[c])
+        _moments(flat_points, pixels, coordinate, w, sigma, offset, fits[c])
+        if fits[c, 1] > 0:
+            _block_statistics(flat_points, pixels, coordinate, w, sigma, width, rotation, axis_of[c], fits[c])
     return fits, inlier_of.reshape(weight.shape)
 
 
 @compiled
-def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, offset: float, width: int, row: Array) -> None:
-    """Centroid, scatter and the cluster-robust variance of the mean: blocks of pixels share their error."""
+def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, offset: float, row: Array) -> None:
+    """Count, weight, centroid and scatter of the inliers into `row`."""
     mean, square = np.zeros(3), np.zeros(6)
     total, inliers = 0.0, 0
-    block_columns = width // BLOCK_PX + 1
-    blocks = np.zeros((pixels[-1] // width // BLOCK_PX + 1) * block_columns)
     for k in range(len(pixels)):
         if abs(coordinate[k] - offset) >= INLIER_SIGMAS * sigma[k]:
             continue
@@ -121,7 +122,6 @@ def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: A
         square[3] += w[k] * y * y
         square[4] += w[k] * y * z
         square[5] += w[k] * z * z
-        blocks[(pixels[k] // width // BLOCK_PX) * block_columns + (pixels[k] % width) // BLOCK_PX] += w[k] * (coordinate[k] - offset)
     if total <= 0:
         return
     row[0], row[1] = inliers, total
@@ -131,5 +131,55 @@ def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: A
     row[5], row[6], row[7] = square[0] - mean[0] * mean[0], square[1] - mean[0] * mean[1], square[2] - mean[0] * mean[2]
     row[8], row[9], row[10] = square[3] - mean[1] * mean[1], square[4] - mean[1] * mean[2], square[5] - mean[2] * mean[2]
     row[11] = offset
-    row[12] = (blocks * blocks).sum() / (total * total)
     row[13] = inliers / len(pixels)
+
+
+@compiled
+def _inclination(row: Array, r: Array, axis: int) -> tuple[Array, Array]:
+    """How the component leans: `gradient (3,)` and `centre` in sensor axes, so that the coordinate is offset + gradient . (p - centre)."""
+    c = np.array(((row[5], row[6], row[7]), (row[6], row[8], row[9]), (row[7], row[9], row[10])))
+    first, second = r[(axis + 1) % 3], r[(axis + 2) % 3]
+    normal = r[axis]
+    u, v = c @ first, c @ second
+    uu, uv, vv = first @ u, first @ v, second @ v
+    nu, nv = normal @ u, normal @ v
+    ridge = 1e-4 * (uu + vv) + 1e-9  # a sweep, or a strip, leans along its length only
+    det = (uu + ridge) * (vv + ridge) - uv * uv
+    a, b = ((vv + ridge) * nu - uv * nv) / det, ((uu + ridge) * nv - uv * nu) / det
+    return a * first + b * second, row[2:5]
+
+
+@compiled
+def _block_statistics(
+    points: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, width: int, r: Array, axis: int, row: Array
+) -> None:
+    """Variance of the offset that counts a block of pixels as one reading, and the ripple: what blocks differ by beyond pixel noise.
+
+    The component's own inclination, which a better rotation takes out, is taken out first.
+    """
+    gradient, centre = _inclination(row, r, axis)
+    columns = width // BLOCK_PX + 1
+    first_row = pixels[0] // width // BLOCK_PX
+    count = (pixels[-1] // width // BLOCK_PX - first_row + 1) * columns
+    weights, sums, pixels_in = np.zeros(count), np.zeros(count), np.zeros(count)
+    square = 0.0
+    for k in range(len(pixels)):
+        if abs(coordinate[k] - row[11]) >= INLIER_SIGMAS * sigma[k]:
+            continue
+        error = coordinate[k] - row[11]
+        for a in range(3):
+            error -= gradient[a] * (points[pixels[k], a] - centre[a])
+        b = (pixels[k] // width // BLOCK_PX - first_row) * columns + (pixels[k] % width) // BLOCK_PX
+        weights[b] += w[k]
+        sums[b] += w[k] * error
+        pixels_in[b] += 1
+        square += w[k] * error * error
+    blocks, between, white = 0, 0.0, 0.0
+    for b in range(count):
+        if weights[b] > 0:
+            blocks += 1
+            between += sums[b] * sums[b] / weights[b]
+            white += square / row[1] * weights[b] / pixels_in[b]
+    row[12] = (sums * sums).sum() / (row[1] * row[1])
+    row[14] = (between - white) / row[1]
+    row[15] = blocks

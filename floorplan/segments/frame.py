@@ -30,6 +30,7 @@ _YAW_PIXEL_STEP = 2  # the frame's own yaw is only a first guess here: a quarter
 _MAX_TILT = math.tan(math.radians(4.0))  # a segment further off its axis belongs to another surface
 _TILT_SIGMAS = 2.0
 _LEAST_INLIER_SHARE = 0.5
+_MODEL_BLOCKS = 4.0  # the noise model counts like so many blocks in a segment's variance
 _GROWTH_ROUNDS = 6  # pixels: the half window a normal cannot reach
 
 
@@ -70,7 +71,8 @@ def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor,
     grown = _renumbered(grown, keep, len(segments))
     patches = off_axis_patches(components, points, normals.noise_m, r, index, look.pixels_per_point)
     evidence = thin(points, weight, grown, index, config.evidence_points, look.pixels_per_point)
-    return SegmentedFrame(rotation, take(segments, keep), patches, evidence, labels.label, grown)
+    ripple, blocks = fits[keep, Column.RIPPLE], fits[keep, Column.BLOCKS]
+    return SegmentedFrame(rotation, take(segments, keep), ripple, blocks, patches, evidence, labels.label, grown)
 
 
 def take(segments: Segments, rows: Array) -> Segments:
@@ -88,7 +90,8 @@ def _frame_rotation(normals: SurfaceNormals, prior: CompassPrior, index: int) ->
     level, yaw, sigma = prior.level_from_sensor[index], float(prior.yaw_rad[index]), float(prior.yaw_sigma_rad[index])
     if prior.final:
         return FrameRotation(rotation_about_z(yaw) @ level, sigma, bool(prior.measured[index]))
-    estimate = refine_yaw(upright_directions(normals, level, 1 if len(normals.weight) == 1 else _YAW_PIXEL_STEP), -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
+    directions = upright_directions(normals, level, 1 if len(normals.weight) == 1 else _YAW_PIXEL_STEP)
+    estimate = refine_yaw(directions, -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
     if estimate is None or estimate.share < _WEAK_SHARE:
         return FrameRotation(rotation_about_z(yaw) @ level, sigma, False)
     off = float(wrap_to(-estimate.yaw_rad - yaw, QUARTER_RAD))
@@ -154,13 +157,19 @@ def _segments(index: int, label: Array, fits: Array, extent: Array, area: Array,
         axis,
         np.where(label % 2 == 1, 1, -1),
         fits[:, Column.OFFSET],
-        np.sqrt(fits[:, Column.VARIANCE] + 1 / np.maximum(fits[:, Column.WEIGHT], 1e-12)),
+        np.sqrt(_offset_variance(fits)),
         np.round(fits[:, Column.COUNT] * look.pixels_per_point).astype(np.int32),
         area[np.arange(count), axis],
         extent,
         fits[:, Column.CENTROID : Column.CENTROID + 3],
         np.stack([scatter_matrix(row) for row in fits]) if count else np.zeros((0, 3, 3)),
     )
+
+
+def _offset_variance(fits: Array) -> Array:
+    """Variance of the offsets: from the blocks as far as there are any, else what the noise model says."""
+    blocks, model = fits[:, Column.BLOCKS], 1 / np.maximum(fits[:, Column.WEIGHT], 1e-12)
+    return np.asarray((blocks * fits[:, Column.VARIANCE] + _MODEL_BLOCKS * model) / (blocks + _MODEL_BLOCKS))
 
 
 def _large_enough(segments: Segments, look: Look, config: SegmentsConfig) -> Array:

@@ -15,7 +15,9 @@ from floorplan.segments.chunk import join_evidence, join_patches, join_segments,
 from floorplan.segments.rotation import corrections, small_rotation
 from floorplan.segments.values import SegmentedChunk
 
-_SIGMA_FLOOR_M = 0.001  # errors a whole segment shares: quantisation, interpolation
+_SIGMA_FLOOR_M = 0.0003  # what is left of quantisation
+_HIDDEN_RIPPLE = 2.0  # a fit swallows about as much ripple in offset and inclination as it leaves to be seen
+_LEAST_BLOCKS = 12  # of a segment whose ripple can be told from noise
 _TILT_SIGMA_RAD = 0.005  # of frames whose roll and pitch nothing confirms: 0.3 degrees of gravity
 
 
@@ -35,11 +37,21 @@ def join(scan: IngestedScan, prior: CompassPrior, chunks: Sequence[SegmentedChun
         rough[chunk.frame], yaw_sigma[chunk.frame] = chunk.world_from_sensor, chunk.yaw_sigma_rad
         measured[chunk.frame] = chunk.measured
     segments = join_segments([c.segments for c in ordered])
-    rotations = _smoothed(segments, rough, prior) if not prior.final else _as_labelled(rough, yaw_sigma)
+    ripple_m = sensor_ripple_m(ordered)
+    rotations = _smoothed(segments, rough, prior, ripple_m) if not prior.final else _as_labelled(rough, yaw_sigma)
     frames = ManhattanFrames(rotations.world_from_sensor, rotations.sigma_rad[:, 2], measured)
     patches = _turned_patches(join_patches([c.free_patches for c in ordered]), rough, rotations.world_from_sensor)
     evidence = join_evidence([c.evidence for c in ordered], [len(c.segments) for c in ordered])
-    return SegmentedScan(frames, _turned_segments(segments, rough, rotations), patches, _for_all_frames(evidence, ordered, len(rough)))
+    segments = _turned_segments(segments, rough, rotations, ripple_m)
+    return SegmentedScan(frames, segments, patches, _for_all_frames(evidence, ordered, len(rough)))
+
+
+def sensor_ripple_m(chunks: Sequence[SegmentedChunk]) -> float:
+    """How far the sensor bends flat surfaces: the typical ripple of the larger segments of the whole recording."""
+    ripple = np.concatenate([np.zeros(0), *(c.ripple_m2 for c in chunks)])
+    blocks = np.concatenate([np.zeros(0), *(c.blocks for c in chunks)])
+    large = blocks >= _LEAST_BLOCKS
+    return float(np.sqrt(max(np.median(ripple[large]), 0.0))) if large.any() else 0.0
 
 
 def _as_labelled(rough: Array, yaw_sigma: Array) -> _Rotations:
@@ -47,9 +59,9 @@ def _as_labelled(rough: Array, yaw_sigma: Array) -> _Rotations:
     return _Rotations(rough, np.stack((tilt, tilt, yaw_sigma), axis=1))
 
 
-def _smoothed(segments: Segments, rough: Array, prior: CompassPrior) -> _Rotations:
+def _smoothed(segments: Segments, rough: Array, prior: CompassPrior, ripple_m: float) -> _Rotations:
     """Rotations after the segments' corrections, smoothed with past and future against the odometry."""
-    found = corrections(segments, rough)
+    found = corrections(segments, rough, ripple_m)
     turned = rough @ np.swapaxes(prior.level_from_sensor, 1, 2)
     yaw = np.arctan2(turned[:, 1, 0], turned[:, 0, 0])
     yaw = prior.yaw_rad + wrap_to(yaw - prior.yaw_rad, 2 * np.pi)
@@ -59,17 +71,18 @@ def _smoothed(segments: Segments, rough: Array, prior: CompassPrior) -> _Rotatio
     delta = np.stack((tilt[0].angle_rad, tilt[1].angle_rad, np.zeros(len(rough))), axis=1)
     rotation = small_rotation(delta) @ rotation_about_z(heading.angle_rad) @ prior.level_from_sensor
     tilt_sigma = [np.minimum(t.sigma_rad, _TILT_SIGMA_RAD) for t in tilt]
-    return _Rotations(rotation, np.stack((*tilt_sigma, heading.sigma_rad), axis=1))
+    sigma = np.stack((*tilt_sigma, heading.sigma_rad), axis=1)
+    return _Rotations(rotation, np.hypot(sigma, found.shared_rad))
 
 
-def _turned_segments(segments: Segments, rough: Array, rotations: _Rotations) -> Segments:
+def _turned_segments(segments: Segments, rough: Array, rotations: _Rotations, ripple_m: float) -> Segments:
     """Distances, extents and sigmas under the final rotations, from the segments' moments."""
     row, axis = np.arange(len(segments)), segments.axis.astype(np.int64)
     final = rotations.world_from_sensor[segments.frame]
     centroid = np.einsum("sij,sj->si", final, segments.centroid_sensor_m)
     moved = centroid - np.einsum("sij,sj->si", rough[segments.frame], segments.centroid_sensor_m)
     lever = np.cross(centroid, np.eye(3)[axis]) * rotations.sigma_rad[segments.frame]
-    sigma = np.sqrt(segments.sigma_m**2 + (lever**2).sum(axis=1) + _SIGMA_FLOOR_M**2)
+    sigma = np.sqrt(segments.sigma_m**2 + (lever**2).sum(axis=1) + _HIDDEN_RIPPLE * ripple_m**2 + _SIGMA_FLOOR_M**2)
     return replace(segments, distance_m=centroid[row, axis], sigma_m=sigma, extent_m=segments.extent_m + moved[:, :, None])
 
 

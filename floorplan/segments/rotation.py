@@ -13,7 +13,7 @@ import numpy as np
 from floorplan.model.checks import Array
 from floorplan.model.segment import Segments
 
-_FLATNESS_M = 0.002  # surfaces and sensors are no flatter: keeps a large near wall from deciding alone
+_FLATNESS_M = 0.001  # surfaces are no flatter: keeps a large near wall from deciding alone
 _TILT_PRIOR_RAD = math.radians(0.5)  # of gravity's direction
 _YAW_PRIOR_RAD = math.radians(2.0)  # of the yaw the frame was labelled under
 _CAUCHY = 3.0  # standard deviations at which a segment's own inclination halves its weight
@@ -23,14 +23,21 @@ _LEAST_INFORMATION = 4.0  # of the prior's: below, a frame's segments say nothin
 
 @dataclass(frozen=True)
 class RotationCorrections:
-    """Small rotations `delta_rad (F, 3)` in the world about x, y, z; `sigma_rad (F, 3)`, infinite where nothing was seen."""
+    """Small rotations `delta_rad (F, 3)` in the world about x, y, z; `sigma_rad (F, 3)`, infinite where nothing was seen.
+
+    `shared_rad (F, 3)` is the part of the sigma that neighbouring frames share, because the sensor's ripple does not average out.
+    """
 
     delta_rad: Array
     sigma_rad: Array
+    shared_rad: Array
 
 
-def corrections(segments: Segments, world_from_sensor: Array) -> RotationCorrections:
-    """What the segments say about the rotations `world_from_sensor (F, 3, 3)` they were labelled under."""
+def corrections(segments: Segments, world_from_sensor: Array, ripple_m: float) -> RotationCorrections:
+    """What the segments say about the rotations `world_from_sensor (F, 3, 3)` they were labelled under.
+
+    `ripple_m` is how far a sensor's flat surfaces bend.
+    """
     count = len(world_from_sensor)
     r = world_from_sensor[segments.frame]
     scatter = r @ segments.scatter_sensor_m2 @ np.swapaxes(r, 1, 2)
@@ -38,7 +45,7 @@ def corrections(segments: Segments, world_from_sensor: Array) -> RotationCorrect
     k = -_skew(axis)
     matrix = k @ scatter @ np.swapaxes(k, 1, 2)
     vector = np.einsum("sij,sjk,sk->si", k, scatter, axis)
-    weight = 1 / (segments.sigma_m**2 + _FLATNESS_M**2)
+    weight = 1 / (segments.sigma_m**2 + _FLATNESS_M**2 + ripple_m**2)
     prior = np.diag((_TILT_PRIOR_RAD**-2, _TILT_PRIOR_RAD**-2, _YAW_PRIOR_RAD**-2))
     robust = np.ones(len(segments))
     for _ in range(_ROUNDS):
@@ -49,7 +56,9 @@ def corrections(segments: Segments, world_from_sensor: Array) -> RotationCorrect
         robust = 1 / (1 + _misfit(matrix, vector, weight, delta[segments.frame]) / _CAUCHY**2)
     variance = np.diagonal(np.linalg.inv(information + prior), axis1=1, axis2=2)
     seen = np.diagonal(information, axis1=1, axis2=2) > _LEAST_INFORMATION * np.diagonal(prior)
-    return RotationCorrections(delta, np.where(seen, np.sqrt(variance), np.inf))
+    white = segments.sigma_m**2 + _FLATNESS_M**2
+    share = ripple_m**2 / (ripple_m**2 + (float(np.median(white)) if len(white) else 1.0))
+    return RotationCorrections(delta, np.where(seen, np.sqrt(variance), np.inf), np.sqrt(share * variance))
 
 
 def _misfit(matrix: Array, vector: Array, weight: Array, delta: Array) -> Array:

@@ -20,10 +20,16 @@ class FrameRotation:
 
 @dataclass(frozen=True)
 class SegmentedFrame:
-    """One frame's segments (S rows), off-axis patches, thinned points; `labels` and `segment_of_pixel (H, W)` for pictures."""
+    """One frame's segments (S rows), off-axis patches, thinned points; `labels` and `segment_of_pixel (H, W)` for pictures.
+
+    `ripple_m2 (S,)`: by how much blocks of a segment's pixels lie apart beyond pixel noise (a variance, negative by chance);
+    `blocks (S,)` how many there were.
+    """
 
     rotation: FrameRotation
     segments: Segments
+    ripple_m2: Array
+    blocks: Array
     free_patches: FreePatches
     evidence: EvidencePoints
     labels: Array
@@ -33,7 +39,8 @@ class SegmentedFrame:
 @dataclass(frozen=True)
 class SegmentedChunk:
     """The segments of some keyframes: `frame (n,)` indices into the keyframes, increasing; `world_from_sensor (n, 3, 3)` the rotations
-    they were labelled under. `Segments.frame` and `FreePatches.frame` count keyframes of the whole scan; `evidence.start` and
+    they were labelled under; `ripple_m2 (S,)`, `blocks (S,)` as in `SegmentedFrame`.
+    `Segments.frame` and `FreePatches.frame` count keyframes of the whole scan; `evidence.start` and
     `evidence.segment` count within the chunk. A frame that could not be read is in `problems` and has no segments.
     """
 
@@ -42,6 +49,8 @@ class SegmentedChunk:
     yaw_sigma_rad: Array
     measured: Array
     segments: Segments
+    ripple_m2: Array
+    blocks: Array
     free_patches: FreePatches
     evidence: EvidencePoints
     problems: tuple[Problem, ...] = field(default=())
@@ -54,5 +63,7 @@ class SegmentedChunk:
                 "world_from_sensor": (np.float64, ("n", 3, 3)),
                 "yaw_sigma_rad": (np.float64, ("n",)),
                 "measured": (np.bool_, ("n",)),
+                "ripple_m2": (np.float64, ("S",)),
+                "blocks": (np.int32, ("S",)),
             },
         )
