@@ -1,18 +1,17 @@
-"""Stage `2-segments` over a whole recording: a first look for the yaw, then chunks of keyframes, each kept when finished."""
+"""Stage `2-segments` over a whole recording: a first look for the yaw, then chunks of keyframes, each kept when finished.
+
+The front end is imported when it is needed: a build that finds the stage finished never waits for its compiler.
+"""
 
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 import numpy as np
 
-from floorplan import segments
-from floorplan.compass.prior import CompassPrior
-from floorplan.compass.survey import survey
 from floorplan.config import Config
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
 from floorplan.readers.base import Source
-from floorplan.segments import SegmentedChunk
 from floorplan.work.folder import WorkFolder
 from floorplan.work.stages import SEGMENTS
 
@@ -21,25 +20,27 @@ CHUNK_KEYFRAMES = 32  # fixed, so that the result never depends on the number of
 
 def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: WorkFolder, jobs: int) -> SegmentedScan:
     """The segments of every keyframe, chunk by chunk on `jobs` threads; chunks that `work` holds are not made again."""
-    store, reporter = work.chunks(SEGMENTS), work.reporter
-    prior = store.get("prior", CompassPrior, lambda: survey(scan, source, config.compass, reporter.progress("compass")))
+    from floorplan import segments
+    from floorplan.compass import CompassPrior, survey
+
+    store, show = work.chunks(SEGMENTS), work.reporter.progress("segments")
+    prior = store.get("prior", CompassPrior, lambda: survey(scan, source, config.compass, work.reporter.progress("compass")))
     parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))
     stride = segments.grid_stride(scan.recording.sensor, config.segments)
 
-    def chunk(number: int, rows: Array) -> SegmentedChunk:
-        return store.get(
-            f"chunk-{number:05d}",
-            SegmentedChunk,
-            lambda: segments.segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.compass, config.segments),
-        )
+    def make(rows: Array) -> segments.SegmentedChunk:
+        return segments.segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.compass, config.segments)
 
-    show = reporter.progress("segments")
+    def chunk(number: int) -> segments.SegmentedChunk:
+        return store.get(f"chunk-{number:05d}", segments.SegmentedChunk, lambda: make(parts[number]))
+
     with ThreadPoolExecutor(jobs) as pool:
-        waiting = [pool.submit(chunk, number, rows) for number, rows in enumerate(parts)]
+        waiting = [pool.submit(chunk, number) for number in range(len(parts))]
         try:
-            for done, _ in enumerate(as_completed(waiting), 1):
+            for done, finished in enumerate(as_completed(waiting), 1):
+                finished.result()
                 show(min(done * CHUNK_KEYFRAMES, len(scan.keyframe)), len(scan.keyframe))
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            pool.shutdown(wait=True, cancel_futures=True)
             raise
         return segments.join(scan, prior, [future.result() for future in waiting])

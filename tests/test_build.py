@@ -1,0 +1,154 @@
+"""A whole build of a small simulated scan: what it leaves, what it keeps, and what a kill costs."""
+
+import json
+import multiprocessing
+import os
+import shutil
+import signal
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from floorplan.build import Job, build
+from floorplan.config import Config
+from floorplan.config_file import load_config
+from floorplan.errors import WorkFolderError
+from floorplan.export import read_results
+from floorplan.simulate import simulate
+from floorplan.work.stages import RESOLVE, SEGMENTS, STAGES
+
+ROOT_FILES = {
+    "plan.json",
+    "summary.json",
+    "trajectory.tum",
+    "trajectory-odometry.tum",
+    "trajectory-compass.tum",
+    "trajectory-least-squares.tum",
+    "config.toml",
+    "work.json",
+}
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A flat walked at 4 frames a second with small images."""
+    folder = tmp_path_factory.mktemp("scan") / "flat"
+    simulate(folder, "flat", 1, rate_hz=4.0, image_scale=0.3)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def work(scan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Its finished work folder."""
+    folder = tmp_path_factory.mktemp("work") / "flat"
+    assert build(Job(scan, folder)) is not None
+    return folder
+
+
+def made_bytes(work: Path) -> dict[str, bytes]:
+    """Everything that must not depend on when, how often and in how many steps it was made."""
+    values = [path for stage in STAGES for path in sorted((work / stage.folder).glob("value.*"))]
+    return {path.relative_to(work).as_posix(): path.read_bytes() for path in [*values, *sorted(work.glob("*.tum")), work / "plan.json"]}
+
+
+def test_the_root_holds_what_is_promised_and_nothing_half_made(work: Path) -> None:
+    names = {path.name for path in work.iterdir()}
+    assert names - {".lock"} == ROOT_FILES | {stage.folder for stage in STAGES}
+
+
+def test_the_trajectory_has_every_frame_and_is_near_the_truth(scan: Path, work: Path) -> None:
+    truth = json.loads((scan / "truth.json").read_text())["trajectory"]
+    true_xy = np.array(truth["pose"])[:, :2]
+    errors = {}
+    for name in ("trajectory", "trajectory-odometry"):
+        table = np.loadtxt(work / f"{name}.tum")
+        assert len(table) == len(true_xy)
+        errors[name] = rigid_error_m(table[:, 1:3], true_xy)
+    first = (work / "trajectory.tum").read_text().splitlines()[1].split()[0]
+    assert int(first.replace(".", "")) == truth["stamp_ns"][0]
+    assert 0.0005 < errors["trajectory"] < 0.1  # the published merge joins planes up to 30 cm apart
+    assert errors["trajectory"] < errors["trajectory-odometry"]
+
+
+def rigid_error_m(points: np.ndarray, truth: np.ndarray) -> float:
+    """RMS distance after the best rotation and shift in the plane."""
+    a, b = points - points.mean(0), truth - truth.mean(0)
+    u, _, vt = np.linalg.svd(a.T @ b)
+    turn = u @ np.diag([1.0, np.sign(np.linalg.det(u @ vt))]) @ vt
+    return float(np.sqrt(((a @ turn - b) ** 2).sum(1).mean()))
+
+
+def test_the_summary_has_the_rows_of_the_papers_table(work: Path) -> None:
+    table = json.loads((work / "summary.json").read_text())
+    assert table["frames"] >= table["keyframes"] > 100
+    assert table["initial_planes"] > table["final_planes"] > 10
+    assert table["hypotheses_considered"] >= table["hypotheses_accepted"] > 0
+    assert 0 < table["drift"]["final_m"] < table["drift"]["odometry_m"] < 2
+    assert set(table["seconds"]) == {stage.folder for stage in STAGES}
+
+
+def test_a_second_build_makes_nothing_and_leaves_the_same_bytes(scan: Path, work: Path) -> None:
+    before = made_bytes(work)
+    records = {stage.folder: (work / stage.folder / "stage.json").read_bytes() for stage in STAGES}
+    build(Job(scan, work))
+    assert made_bytes(work) == before
+    assert {stage.folder: (work / stage.folder / "stage.json").read_bytes() for stage in STAGES} == records
+
+
+def test_more_jobs_and_stops_on_the_way_give_the_same_bytes(scan: Path, work: Path, tmp_path: Path) -> None:
+    job = Job(scan, tmp_path / "work", jobs=2)
+    assert build(replace(job, until=SEGMENTS)) is None
+    assert not (job.work / "3-least-squares").exists()
+    assert build(replace(job, until=RESOLVE)) is None
+    assert not (job.work / "plan.json").exists()
+    build(job)
+    assert made_bytes(job.work) == made_bytes(work)
+
+
+def _build_in_child(scan: Path, work: Path) -> None:
+    build(Job(scan, work))
+
+
+def test_a_build_killed_inside_the_slow_stage_goes_on_and_gives_the_same_bytes(scan: Path, work: Path, tmp_path: Path) -> None:
+    killed = tmp_path / "work"
+    child = multiprocessing.get_context("spawn").Process(target=_build_in_child, args=(scan, killed))
+    child.start()
+    chunk = killed / "2-segments.partial" / "chunk-00002"
+    while not chunk.exists() and child.is_alive():
+        time.sleep(0.002)
+    assert child.pid is not None
+    os.kill(child.pid, signal.SIGKILL)
+    child.join()
+    assert not (killed / "3-least-squares").exists()
+    kept = chunk.stat().st_mtime_ns if chunk.exists() else None
+    build(Job(scan, killed))
+    assert kept is not None
+    assert made_bytes(killed) == made_bytes(work)
+    assert not (killed / "2-segments.partial").exists()
+
+
+def test_another_scan_is_refused_a_used_work_folder(scan: Path, work: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    shutil.copytree(scan, other)
+    build(Job(other, work))  # the same files elsewhere: the same scan
+    lines = (other / "odometry.txt").read_text().splitlines()
+    (other / "odometry.txt").write_text("\n".join(lines[:-1]) + "\n")
+    build(Job(scan, work))
+    with pytest.raises(WorkFolderError, match="another scan"):
+        build(Job(other, work))
+
+
+def test_a_drawing_setting_makes_no_stage_again(scan: Path, work: Path) -> None:
+    record = (work / "1-ingest" / "stage.json").stat().st_mtime_ns, (work / "6-plan" / "stage.json").stat().st_mtime_ns
+    build(Job(scan, work, load_config(None, ["drawing.units=mm", "project.name=Flat"])))
+    assert ((work / "1-ingest" / "stage.json").stat().st_mtime_ns, (work / "6-plan" / "stage.json").stat().st_mtime_ns) == record
+    build(Job(scan, work, Config()))
+
+
+def test_finished_stages_are_read_back_whole(work: Path) -> None:
+    results = read_results(work)
+    assert len(results.plan.planes) == len(results.solution.plane_axis)
+    assert len(results.segmented.frames.measured) == len(results.scan.keyframe)
