@@ -1,4 +1,4 @@
-# Everything a newcomer needs: make demo, make test, make lint, make bench.
+# Everything a newcomer needs: make demo, make test, make lint, make types, make bench.
 # Makes its own environment in .venv; needs nothing but Python 3.11 or newer and make.
 
 .RECIPEPREFIX = >
@@ -6,21 +6,23 @@ SHELL := /bin/sh
 VENV := .venv
 RUN := $(VENV)/bin/python
 STAMP := $(VENV)/.installed
-SAMPLE := samples/demo
+SAMPLE := samples/flat
 PYTHON ?= $(shell for p in python3.12 python3.11 python3.13 python3 python; do \
     $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint types bench clean
 
 demo: $(STAMP)
 > mkdir -p demo
-> $(VENV)/bin/floorplan build $(SAMPLE) --work demo/work --dxf demo/plan.dxf --svg demo/plan.svg --png demo/plan.png --report demo/report.html
+> $(VENV)/bin/floorplan build $(SAMPLE) --work demo/work --dxf demo/plan.dxf --svg demo/plan.svg --png demo/plan.png
 
 test: $(STAMP)
 > $(RUN) -m pytest
 
 lint: $(STAMP)
 > $(VENV)/bin/ruff check .
+
+types: $(STAMP)
 > $(VENV)/bin/mypy
 
 bench: $(STAMP)

@@ -9,14 +9,16 @@ from floorplan import __version__
 from floorplan.config import Config
 from floorplan.errors import UsageError
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
+from floorplan.plan.plan_json import plan_to_json
 from floorplan.reporting import Reporter
 from floorplan.results import Results
 from floorplan.summary import Summary
-from floorplan.work.disk import clear_disk_errors, new_file
+from floorplan.work.disk import clear_disk_errors
 
 if TYPE_CHECKING:
     from floorplan.writers.facts import SheetFacts
 
+PLAN_JSON = "json"  # the plan as data: no drawing, so no writer
 EARLIEST_CLOCK_S = 946_684_800  # 2000-01-01: smaller stamps count from some other beginning than 1970
 
 
@@ -41,12 +43,15 @@ def write_drawings(results: Results, table: Summary, scan: Path, drawings: tuple
     """Write every drawing; each file is whole or not there."""
     if not drawings:
         return
-    from floorplan import writers
+    from floorplan import writers  # ezdxf and matplotlib come with it
 
     facts = sheet_facts(results, table, scan)
     for drawing in drawings:
-        with clear_disk_errors(drawing.path), new_file(drawing.path) as making:
-            writers.write(drawing.format, results.plan, making, config.drawing, config.project, facts)
+        with clear_disk_errors(drawing.path):
+            if drawing.format == PLAN_JSON:
+                drawing.path.write_text(plan_to_json(results.plan), "utf-8")
+            else:
+                writers.write(drawing.format, results.plan, drawing.path, config.drawing, config.project, facts)
         reporter.message(f"wrote {drawing.path}")
 
 

@@ -91,4 +91,4 @@ def _path(recording: Recording) -> Array:
 
 
 def _turned(rotation: Array, vector: Array) -> Array:
-    return np.einsum("nij,nj->ni", rotation, vector)
+    return np.asarray(np.einsum("nij,nj->ni", rotation, vector))

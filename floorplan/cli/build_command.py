@@ -23,8 +23,6 @@ def build(
     pdf: o.Pdf = None,
     png: o.Png = None,
     json: o.JsonFile = None,
-    geojson: o.GeoJson = None,
-    report: o.Report = None,
     work: Annotated[Path | None, typer.Option("--work", metavar="DIR", help="Work folder (default: SCAN.floorplan).")] = None,
     config: o.ConfigFile = None,
     settings: o.Settings = None,
@@ -49,7 +47,7 @@ def build(
     from floorplan.build import Job
     from floorplan.build import build as run
 
-    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json)
     job = Job(scan, work or o.default_work(scan), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     results = run(job, reporter)
     if results is not None and not quiet:

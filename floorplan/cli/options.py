@@ -23,8 +23,6 @@ Svg = Annotated[Path | None, typer.Option("--svg", metavar="FILE", help="Drawing
 Pdf = Annotated[Path | None, typer.Option("--pdf", metavar="FILE", help="Sheet to print.")]
 Png = Annotated[Path | None, typer.Option("--png", metavar="FILE", help="Picture.")]
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="The plan as data.")]
-GeoJson = Annotated[Path | None, typer.Option("--geojson", metavar="FILE", help="The plan for GIS.")]
-Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="One offline HTML page.")]
 Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="Units of the drawing.")]
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]

@@ -35,8 +35,6 @@ def export(
     pdf: o.Pdf = None,
     png: o.Png = None,
     json: o.JsonFile = None,
-    geojson: o.GeoJson = None,
-    report: o.Report = None,
     config: o.ConfigFile = None,
     settings: o.Settings = None,
     units: o.Units = None,
@@ -48,9 +46,9 @@ def export(
     from floorplan.export import export as run
     from floorplan.work.folder import read_owner
 
-    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json)
     if not drawings:
-        raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json, --geojson, --report")
+        raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json")
     read_owner(work)
     effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet)
     run(work, effective, drawings, ConsoleReporter(quiet))
