@@ -9,6 +9,11 @@ from floorplan.errors import InputError
 
 BAG_SUFFIXES = (".bag", ".db3", ".mcap")
 METADATA = "metadata.yaml"
+REPAIR = {
+    ".bag": "`rosbag reindex` rebuilds its index",
+    ".mcap": "`mcap recover` writes what is there to a new file",
+    ".db3": "`sqlite3 old.db3 .recover | sqlite3 new.db3` writes what is there to a new file",
+}
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,8 @@ class _opened:  # noqa: N801 - a context manager, used like a function
             self.reader = AnyReader(self.paths, default_typestore=get_typestore(Stores.ROS2_HUMBLE))
             self.reader.open()
         except (AnyReaderError, OSError) as error:
-            raise InputError(f"{self.paths[0]}: the bag cannot be opened: {error}") from error
+            remedy = REPAIR.get(self.paths[0].suffix, "check that all files of the bag are there")
+            raise InputError(f"{self.paths[0]}: the bag cannot be opened: {error}. If it was cut off: {remedy}") from error
         return self.reader
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:

@@ -129,6 +129,19 @@ def test_a_bag_without_poses_and_one_that_is_none_say_so(tmp_path: Path) -> None
         open_scan(tmp_path / "not.bag")
 
 
+@pytest.mark.parametrize(("kind", "remedy"), [("bag", "rosbag reindex"), ("db3", r"\.recover"), ("mcap", "mcap recover")])
+def test_a_bag_cut_in_half_is_refused_with_the_tool_that_mends_it(tmp_path: Path, kind: str, remedy: str) -> None:
+    bag = Bag(kind)
+    bag.add_depth(Walk(frames=40))
+    bag.add_odometry(Walk(frames=40))
+    whole = bag.write(tmp_path / "whole")
+    file = whole if whole.is_file() else next(f for f in whole.iterdir() if f.suffix != ".yaml")
+    data = file.read_bytes()
+    (tmp_path / f"cut.{kind}").write_bytes(data[: len(data) // 2])
+    with pytest.raises(InputError, match=remedy):
+        open_scan(tmp_path / f"cut.{kind}")
+
+
 def test_the_real_bag_without_depth_lists_its_topics(shared_data: Path) -> None:
     with pytest.raises(InputError, match=r"no topic holds depth images.*/crazyflie2/state_xyzv"):
         open_scan(shared_data / "bag/rice.bag")
