@@ -72,7 +72,9 @@ class PaperAnswer:
 
 
 def paper_problem(graph: LayoutGraph, least_squares: LeastSquaresSolution, radius_m: float, eps: float) -> PaperProblem:
-    """The problem of a graph and its unweighted least squares."""
+    """The problem of a graph and its unweighted least squares. Raises ValueError for a weighted one: bounds would not hold."""
+    if least_squares.noise is not None:
+        raise ValueError("the published problem stands on the unweighted least squares, without noise")
     pairs = pairs_within(graph, least_squares.track_offset_m, radius_m)
     return PaperProblem(graph, pairs, least_squares, (1 + eps) * least_squares.residual)
 

@@ -15,7 +15,7 @@ MU_M = 0.30
 
 def problem_of(name: str, seed: int, errors: Errors | None = None, radius_m: float = 1.0, eps: float = 0.02) -> PaperProblem:
     graph = paper_scene(name, seed, errors).graph
-    return paper_problem(graph, least_squares(graph, LeastSquaresConfig()), radius_m, eps)
+    return paper_problem(graph, least_squares(graph, LeastSquaresConfig(method="plain")), radius_m, eps)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_it_agrees_with_the_verbatim_problem(name: str, seed: int, errors: Error
 def test_every_noise_level_radius_and_eps_closes_the_gap(seed: int) -> None:
     rng = np.random.default_rng(seed)
     graph = loop_graph(seed, rounds=2 + seed % 3, sigma_m=10 ** rng.uniform(-3, -1), drift_m=10 ** rng.uniform(-3, -1))[0]
-    problem = paper_problem(graph, least_squares(graph, LeastSquaresConfig()), rng.uniform(0.3, 3), 10 ** rng.uniform(-4, 0))
+    problem = paper_problem(graph, least_squares(graph, LeastSquaresConfig(method="plain")), rng.uniform(0.3, 3), 10 ** rng.uniform(-4, 0))
     certificate = solve_paper(problem, "reduced")[1]
     assert certificate.objective_m - certificate.bound_m < 1e-6 + 1e-6 * certificate.objective_m
     assert certificate.residual_m < problem.delta_m * (1 + 1e-9)
@@ -56,7 +56,7 @@ def test_sign_rows_that_the_pull_would_violate_enter_and_the_answer_is_still_the
     rows += [(i, 1 + i % 5, 1.3 - place[i]) for i in (*range(10), *range(26, 36))]
     rows = [(frame, track, max(d + rng.normal(0, 0.01), 0.005)) for frame, track, d in rows]
     graph = graph_along_x(np.diff(place) + rng.normal(0, 0.01, 35), rows, facing=[-1] * 6)
-    problem = paper_problem(graph, least_squares(graph, LeastSquaresConfig()), 1.0, 0.1)
+    problem = paper_problem(graph, least_squares(graph, LeastSquaresConfig(method="plain")), 1.0, 0.1)
     (verbatim, reference), (reduced, certificate) = solve_paper(problem, "cvxpy"), solve_paper(problem, "reduced")
     active = problem.sign_excess_m(reduced.position_m, reduced.track_offset_m) > -1e-5
     assert 1 <= active.sum() < 20
@@ -68,6 +68,6 @@ def test_sign_rows_that_the_pull_would_violate_enter_and_the_answer_is_still_the
 
 def test_a_building_of_two_wings_is_solved_and_verified() -> None:
     graph = make_scene(scale_spec(2), 1).graph
-    problem = paper_problem(graph, least_squares(graph, LeastSquaresConfig()), 1.0, 0.02)
+    problem = paper_problem(graph, least_squares(graph, LeastSquaresConfig(method="plain")), 1.0, 0.02)
     assert len(problem.pairs) > 10_000
     assert solve_paper(problem, "reduced")[1].gap < 1e-6
