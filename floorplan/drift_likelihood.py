@@ -1,6 +1,6 @@
 """The size of the odometry's errors by marginal likelihood: what the tracks say about it with everything else integrated out."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +8,8 @@ import numpy as np
 from floorplan.chain import log_marginal_likelihood
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
-from floorplan.model.noise import DriftModel, ScanNoise
-from floorplan.weighted import LEVEL_AXES, build_system
+from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system
 from floorplan.windows import Window
 
 RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a variance; beyond, odometry says nothing
@@ -30,57 +30,73 @@ def within_bounds(drift: DriftModel) -> DriftModel:
     )
 
 
-def most_likely(noise: ScanNoise, pieces: Sequence[Window]) -> ScanNoise:
-    """Rate, scale and sideways sizes and one factor on all measurement sigmas that make the x-y rows most likely.
+def vertical_within_bounds(drift: VerticalDrift) -> VerticalDrift:
+    """The same for the height."""
+    rate = float(np.clip(drift.rate_m_per_sqrt_m, RATE_FLOOR, RATE_CEILING))
+    return replace(drift, rate_m_per_sqrt_m=rate, slope_sigma=float(np.clip(drift.slope_sigma, PART_FLOOR, PART_CEILING)))
 
-    Coordinate search in the logarithms, a parabola through three values at a time.
+
+def most_likely(noise: ScanNoise, pieces: Sequence[Window]) -> ScanNoise:
+    """The sizes of the odometry's errors, and one factor on the measurement sigmas, that make the rows most likely.
+
+    x and y first (rate, scale, sideways, factor), then z (rate, slope) with that factor.
     """
-    asked = [w for w in _spread(pieces) if np.isin(w.graph.axis, LEVEL_AXES).any()]
-    if not asked:
-        return noise
-    at = np.log([noise.drift.rate_m_per_sqrt_m, noise.drift.scale_sigma, noise.drift.sideways_sigma, 1.0])
-    best = _likelihood(noise, asked, at)
+    level = _asked(pieces, LEVEL_AXES)
+    if level:
+        start = np.log([noise.drift.rate_m_per_sqrt_m, noise.drift.scale_sigma, noise.drift.sideways_sigma, 1.0])
+        noise = _with_level(noise, _climb(lambda at: _likelihood(_with_level(noise, at), level, LEVEL_AXES), start))
+    upright = _asked(pieces, UPRIGHT_AXES)
+    if upright:
+        start = np.log([noise.vertical.rate_m_per_sqrt_m, noise.vertical.slope_sigma])
+        noise = _with_upright(noise, _climb(lambda at: _likelihood(_with_upright(noise, at), upright, UPRIGHT_AXES), start))
+    return noise
+
+
+def _climb(value_at: Callable[[Array], float], start: Array) -> Array:
+    """Coordinate search for the largest value, a parabola through three values at a time."""
+    at, best = start, value_at(start)
     for span in SPANS:
         for k in range(len(at)):
-            for move in _moves(noise, asked, at, k, best, span):
-                at, best = move, _likelihood(noise, asked, move)
-    return _with(noise, at)
+            step = np.zeros(len(at))
+            step[k] = span
+            low, high = value_at(at - step), value_at(at + step)
+            place = at + step * _top_of_parabola(low, best, high)
+            options = [(best, at), (low, at - step), (high, at + step), (value_at(place), place)]
+            best, at = max(options, key=lambda option: option[0])
+    return at
 
 
-def _moves(noise: ScanNoise, asked: Sequence[Window], at: Array, k: int, best: float, span: float) -> list[Array]:
-    """The better place along coordinate k, or nothing."""
-    step = np.zeros(len(at))
-    step[k] = span
-    low, high = _likelihood(noise, asked, at - step), _likelihood(noise, asked, at + step)
-    bend = low + high - 2 * best
+def _top_of_parabola(low: float, middle: float, high: float) -> float:
+    """Where the parabola through (-1, low), (0, middle), (1, high) is highest, no further away than LARGEST_MOVE."""
+    bend = low + high - 2 * middle
     if bend < 0:
-        along = float(np.clip(0.5 * (low - high) / bend, -LARGEST_MOVE, LARGEST_MOVE))
-    else:
-        along = LARGEST_MOVE if high > low else -LARGEST_MOVE
-    candidates = [(max(low, high), at + step * (1.0 if high > low else -1.0))]
-    there = at + step * along
-    candidates.append((_likelihood(noise, asked, there), there))
-    value, place = max(candidates, key=lambda c: c[0])
-    return [place] if value > best else []
+        return float(np.clip(0.5 * (low - high) / bend, -LARGEST_MOVE, LARGEST_MOVE))
+    return LARGEST_MOVE if high > low else -LARGEST_MOVE
 
 
-def _likelihood(noise: ScanNoise, asked: Sequence[Window], at: Array) -> float:
-    tried = _with(noise, at)
+def _likelihood(noise: ScanNoise, asked: Sequence[Window], axes: tuple[int, ...]) -> float:
     total = 0.0
     for window in asked:
-        system = build_system(window.graph, replace(tried, sigma_m=tried.sigma_m[window.rows]), LEVEL_AXES, FORGOTTEN)
+        system = build_system(window.graph, replace(noise, sigma_m=noise.sigma_m[window.rows]), axes, FORGOTTEN)
         total += log_marginal_likelihood(system.reduced)
     if not np.isfinite(total):
         raise NoSolutionError("The likelihood of the odometry's drift is not finite: check distances and translations for NaN.")
     return total
 
 
-def _with(noise: ScanNoise, at: Array) -> ScanNoise:
+def _with_level(noise: ScanNoise, at: Array) -> ScanNoise:
     rate, scale, sideways, factor = np.exp(at)
     drift = replace(noise.drift, rate_m_per_sqrt_m=float(rate), scale_sigma=float(scale), sideways_sigma=float(sideways))
     return replace(noise, drift=within_bounds(drift), sigma_m=noise.sigma_m * factor)
 
 
-def _spread(pieces: Sequence[Window]) -> list[Window]:
-    places = np.linspace(0, len(pieces) - 1, min(WINDOWS_ASKED, len(pieces))).round().astype(int)
-    return [pieces[i] for i in np.unique(places)]
+def _with_upright(noise: ScanNoise, at: Array) -> ScanNoise:
+    rate, slope = np.exp(at)
+    vertical = replace(noise.vertical, rate_m_per_sqrt_m=float(rate), slope_sigma=float(slope))
+    return replace(noise, vertical=vertical_within_bounds(vertical))
+
+
+def _asked(pieces: Sequence[Window], axes: tuple[int, ...]) -> list[Window]:
+    useful = [piece for piece in pieces if np.isin(piece.graph.axis, axes).any()]
+    places = np.linspace(0, len(useful) - 1, min(WINDOWS_ASKED, len(useful))).round().astype(int)
+    return [useful[i] for i in np.unique(places)]

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from floorplan.chain import solve_planes
-from floorplan.drift_likelihood import most_likely, within_bounds
+from floorplan.drift_likelihood import most_likely, vertical_within_bounds, within_bounds
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
-from floorplan.model.noise import DriftModel, ScanNoise
+from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
 from floorplan.structure import MAD_TO_SIGMA, growth
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
 from floorplan.windows import Window, windows
@@ -32,8 +32,8 @@ def estimate_noise(graph: LayoutGraph, reweightings: int = 2) -> ScanNoise:
     wrong = signed > SIGN_SLACK_SIGMAS * pooled
     drift = DriftModel(level.rate_m_per_sqrt_m, level.scale, level.sideways) if level else DriftModel(0.0, 0.0, 0.0)
     drift = within_bounds(drift)
-    vertical = within_bounds(replace(drift, rate_m_per_sqrt_m=upright.rate_m_per_sqrt_m)) if upright else drift
-    noise = ScanNoise(_first_sigma(graph, ~wrong, pooled), 0.0, drift, vertical.rate_m_per_sqrt_m, int(wrong.sum()))
+    vertical = VerticalDrift(upright.rate_m_per_sqrt_m, upright.sideways) if upright else VerticalDrift(drift.rate_m_per_sqrt_m, 0.0)
+    noise = ScanNoise(_first_sigma(graph, ~wrong, pooled), 0.0, drift, vertical_within_bounds(vertical), int(wrong.sum()))
     pieces = windows(graph, WINDOW_FRAMES)
     for _ in range(reweightings):
         noise = _reweighted(graph, noise, ~wrong, pieces)
@@ -59,8 +59,16 @@ def _first_sigma(graph: LayoutGraph, usable: Array, pooled_m: float) -> Array:
     off = level - np.median(around, axis=0)
     scale = max(pooled_m, MAD_TO_SIGMA * float(np.median(np.abs(off)))) if len(off) else pooled_m
     sigma = np.full(len(graph.track), np.inf)
-    sigma[rows] = pooled_m / np.sqrt(_robust_weight(off / scale))
+    shape = _shape(graph)
+    sigma[rows] = pooled_m * shape[rows] / np.sqrt(_robust_weight(off / (scale * shape[rows])))
     return _with_lonely_tracks(graph, sigma)
+
+
+def _shape(graph: LayoutGraph) -> Array:
+    """How the sigmas of the rows compare (K,), median 1: from the graph's own sigmas where it has them."""
+    if graph.sigma_m is None or len(graph.sigma_m) == 0:
+        return np.ones(len(graph.track))
+    return np.asarray(graph.sigma_m / np.median(graph.sigma_m))
 
 
 def _robust_weight(standardised: Array) -> Array:
@@ -75,13 +83,14 @@ def _with_lonely_tracks(graph: LayoutGraph, sigma_m: Array) -> Array:
 def _reweighted(graph: LayoutGraph, noise: ScanNoise, usable: Array, pieces: list[Window]) -> ScanNoise:
     """One step of iteratively reweighted least squares: residuals, a sigma per track, robust weights."""
     residual = np.where(usable, _residuals(graph, noise, pieces), 0.0)
+    shape = _shape(graph)
     least = np.full(len(graph.axis), np.inf)
-    np.minimum.at(least, graph.track, noise.sigma_m)  # the sigma of a row that fits well is that of its track
-    weight = _robust_weight(residual / least[graph.track]) * usable
+    np.minimum.at(least, graph.track, noise.sigma_m / shape)  # the sigma of a row that fits well is that of its track
+    weight = _robust_weight(residual / (least[graph.track] * shape)) * usable
     count = np.bincount(graph.track, usable, len(graph.axis))
-    total = np.bincount(graph.track, weight * residual**2, len(graph.axis))
+    total = np.bincount(graph.track, weight * (residual / shape) ** 2, len(graph.axis))
     pool = total.sum() / max(count.sum(), 1.0)
-    own = np.maximum(np.sqrt((total + POOL_ROWS * pool) / (count + POOL_ROWS)), SIGMA_FLOOR_M)[graph.track]
+    own = np.maximum(np.sqrt((total + POOL_ROWS * pool) / (count + POOL_ROWS)), SIGMA_FLOOR_M)[graph.track] * shape
     weight = _robust_weight(residual / own)
     sigma = np.where(usable, own / np.sqrt(weight), np.inf)
     outliers = int((usable & (weight < OUTLIER_WEIGHT)).sum())

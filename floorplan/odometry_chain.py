@@ -4,7 +4,7 @@ import numpy as np
 
 from floorplan.chain import Chain
 from floorplan.model.checks import Array
-from floorplan.model.noise import DriftModel
+from floorplan.model.noise import DriftModel, VerticalDrift
 
 PX, PY, SCALE, SIDEWAYS = 0, 1, 2, 3  # states of a frame of the joint chain
 STEP_FLOOR_M = 0.01  # a sensor that stands still still trembles: keeps every odometry row's variance above zero
@@ -38,6 +38,22 @@ def joint_chain(translation_m: Array, drift: DriftModel) -> Chain:
     builder.dense_information += drift.global_scale_sigma**-2
     builder.log_weight -= 2 * np.log(drift.global_scale_sigma)
     return builder.chain(pinned=2)
+
+
+def upright_chain(translation_m: Array, drift: VerticalDrift) -> Chain:
+    """z alone, states (pz, r): `p_{i+1} - p_i - r_i l_i = t_i`, l the path length of the step, r AR(1) in the path length."""
+    length = np.maximum(np.linalg.norm(translation_m, axis=1), STEP_FLOOR_M)
+    count = len(length) + 1
+    builder = _Builder(count, 2, 0)
+    builder.add_prior(0, (0.0, drift.slope_sigma**-2))
+    here, there = np.zeros((count - 1, 2, 2)), np.zeros((count - 1, 2, 2))
+    memory = np.exp(-length / drift.correlation_m)
+    here[:, 0, 0], here[:, 0, 1], here[:, 1, 1] = -1.0, -length, -memory
+    there[:, 0, 0] = there[:, 1, 1] = 1.0
+    variance = np.column_stack([drift.rate_m_per_sqrt_m**2 * length, drift.slope_sigma**2 * (1 - memory**2)])
+    value = np.column_stack([translation_m[:, 2], np.zeros(count - 1)])
+    builder.add_rows(here, there, None, value, 1.0 / variance)
+    return builder.chain(pinned=1)
 
 
 def _add_steps(builder: "_Builder", t: Array, variance: Array) -> None:

@@ -8,7 +8,7 @@ from floorplan.chain import ROUNDING, Reduced, Rows, back_substitute, eliminate
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import ScanNoise
-from floorplan.odometry_chain import STEP_FLOOR_M, joint_chain, plain_chain
+from floorplan.odometry_chain import joint_chain, upright_chain
 
 LEVEL_AXES, UPRIGHT_AXES = (0, 1), (2,)
 
@@ -30,17 +30,8 @@ def build_system(graph: LayoutGraph, noise: ScanNoise, axes: tuple[int, ...], fo
     mine = np.nonzero((place[graph.track] >= 0) & np.isfinite(noise.sigma_m))[0]
     component = graph.axis[graph.track[mine]] - axes[0]
     rows = Rows(graph.frame[mine], component, place[graph.track[mine]], graph.distance_m[mine], noise.sigma_m[mine] ** -2)
-    if axes == LEVEL_AXES:
-        chain = joint_chain(graph.translation_m, noise.drift)
-    else:
-        chain = plain_chain(graph.translation_m[:, 2], vertical_weight(graph, noise.vertical_rate_m_per_sqrt_m))
+    chain = joint_chain(graph.translation_m, noise.drift) if axes == LEVEL_AXES else upright_chain(graph.translation_m, noise.vertical)
     return AxisSystem(axes, tracks, eliminate(chain, rows, len(tracks), forgotten))
-
-
-def vertical_weight(graph: LayoutGraph, rate_m_per_sqrt_m: float) -> Array:
-    """Weights (N-1,) of the odometry rows of z: the error grows with the path walked, not with the climb."""
-    length = np.maximum(np.linalg.norm(graph.translation_m, axis=1), STEP_FLOOR_M)
-    return np.asarray(1.0 / (rate_m_per_sqrt_m**2 * length))
 
 
 def positions(system: AxisSystem, columns: Array) -> Array:

@@ -8,10 +8,10 @@ from floorplan.merge import evidence_kernels as kernels
 from floorplan.merge.evidence_kernels import APART, DEFERRED
 from floorplan.model.checks import Array
 
-CLEAR = 3.0  # log odds, 20 to 1: a rival weaker by this much does not make a choice ambiguous
+CLEAR = 5.0  # log odds, 150 to 1: a rival weaker by this much (three sigma off) does not make a choice ambiguous
 MARGINS = (None, 3.0, 1.0)  # what the better future must lead by: first no rival at all, then 20 to 1, at last 3 to 1
-RIVALS = 3  # futures compared with that of the best pair
-DEPTH = 20  # merges looked ahead: about as many walls as one place of a building shows, in two visits
+RIVALS = 16  # futures compared with that of the best pair; fewer may all be of one wrong kind
+DEPTH = 60  # merges looked ahead: more than one place of a building shows
 PENDING = 64  # rank-one updates multiplied out together
 
 
@@ -91,11 +91,18 @@ class _Work:
         if margin is None:
             return -1
         options = [h, *(int(k) for k in found[:count])]
-        futures = np.array([self._future(k) for k in options])
-        order = np.argsort(-futures)
-        if futures[order[0]] - futures[order[1]] < margin:
-            return -1
-        return options[order[0]]
+        concerned = self._concerned(options)
+        futures = [self._future(k, concerned) for k in options]
+        best = int(np.argmax(futures))
+        against = [f for k, f in zip(options, futures, strict=True) if k != options[best] and self._excludes(options[best], k)]
+        return options[best] if futures[best] - max(against, default=-np.inf) >= margin else -1
+
+    def _excludes(self, chosen: int, other: int) -> bool:
+        """Whether merging `chosen` turns `other` down."""
+        unit, pull = self._unit(chosen)
+        part = float(unit[self.first[other]] - unit[self.second[other]])
+        var = max(float(self.var[other]) - part * part, kernels.SAME_M2)
+        return bool(kernels.score(self.delta[other] - part * pull, var, self.log_prior[other]) <= 0.0)
 
     def merge(self, h: int) -> None:
         """Condition everything on pair h being one plane and join the two components."""
@@ -140,7 +147,17 @@ class _Work:
         kernels.column(self.P, self.U, self.pending, self.first[h], self.second[h], self.cov)
         return self.cov / sigma, float(self.delta[h] / sigma)
 
-    def _future(self, h: int) -> float:
-        return kernels.roll_out(
-            self.first, self.second, self.delta, self.var, self.log_prior, self.barred, self.live, self.P, self.U, self.pending, h, DEPTH
-        )
+    def _concerned(self, options: list[int]) -> Array:
+        """Mask of the live pairs that any of the options would make clearly better known: the futures are compared by these alone."""
+        concerned = np.zeros(self.live, dtype=np.bool_)
+        for h in options:
+            kernels.mark_concerned(self.first, self.second, self.var, self.live, self._unit(h)[0], concerned)
+        return concerned
+
+    def _future(self, h: int, concerned: Array) -> float:
+        return float(
+            kernels.roll_out(
+                self.first, self.second, self.delta, self.var, self.log_prior, self.barred, concerned, self.live, self.P, self.U,
+                self.pending, h, DEPTH,
+            )
+        )  # fmt: skip

@@ -10,7 +10,7 @@ from numba import njit
 from floorplan.model.checks import Array
 
 SAME_M2 = 1e-10  # (0.01 mm)^2: a pair whose distance is this certain has been made one by other merges
-AFFECTED = 0.5  # a pair whose variance fell below this part of what it was depends on the choice at hand
+CONCERNED = 0.5  # a pair whose variance falls below this part of what it was depends on the choice at hand
 APART, DEFERRED = 1, 2  # bits of `barred`: seen apart in one frame; put off until something else is decided
 LOG_TWO_PI = np.log(2 * np.pi)
 
@@ -88,14 +88,13 @@ def rivals(
 
 @njit(cache=True)
 def roll_out(
-    first: Array, second: Array, delta: Array, var: Array, log_prior: Array, barred: Array, count: int, P: Array, U: Array, r: int,
-    chosen: int, depth: int,
+    first: Array, second: Array, delta: Array, var: Array, log_prior: Array, barred: Array, concerned: Array, count: int, P: Array,
+    U: Array, r: int, chosen: int, depth: int,
 ) -> float:
-    """Summed score of merging `chosen` and then greedily up to `depth` more: the log evidence of that future.
+    """Summed score of merging `chosen` and then greedily up to `depth` more `concerned` pairs: the log evidence of that future.
 
     `U` must have room for depth + 1 more rows; what is written there is not meant to stay.
     """
-    before = var
     delta, var = delta[:count].copy(), var[:count].copy()
     cov, total, h = np.empty(P.shape[0]), 0.0, chosen
     for step in range(depth + 1):
@@ -105,18 +104,26 @@ def roll_out(
         for i in range(cov.shape[0]):
             U[r + step, i] = cov[i] / sigma
         condition(first, second, delta, var, count, U[r + step], delta[h] / sigma)
-        h = _best_affected(delta, var, before, log_prior, barred, count)
+        h = _best_concerned(delta, var, log_prior, barred, concerned, count)
         if h < 0:
             break
     return total
 
 
 @njit(cache=True)
-def _best_affected(delta: Array, var: Array, before: Array, log_prior: Array, barred: Array, count: int) -> int:
-    """The best pair among those that this future has made clearly better known: the others are the same in every future."""
+def mark_concerned(first: Array, second: Array, var: Array, count: int, unit: Array, concerned: Array) -> None:
+    """Set `concerned` for the pairs that a merge with gain `unit` would make clearly better known."""
+    for h in range(count):
+        part = unit[first[h]] - unit[second[h]]
+        if part * part > (1.0 - CONCERNED) * var[h]:
+            concerned[h] = True
+
+
+@njit(cache=True)
+def _best_concerned(delta: Array, var: Array, log_prior: Array, barred: Array, concerned: Array, count: int) -> int:
     best, found = 0.0, -1
     for h in range(count):
-        if barred[h] & APART or var[h] < SAME_M2 or var[h] > AFFECTED * before[h]:
+        if not concerned[h] or barred[h] & APART or var[h] < SAME_M2:
             continue
         value = score(delta[h], var[h], log_prior[h])
         if value > best:

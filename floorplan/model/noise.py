@@ -24,18 +24,27 @@ class DriftModel:
 
 
 @dataclass(frozen=True)
+class VerticalDrift:
+    """The same for the height: white `rate_m_per_sqrt_m` of path, and a slowly varying slope (rise per metre of path)."""
+
+    rate_m_per_sqrt_m: float
+    slope_sigma: float
+    correlation_m: float = 20.0
+
+
+@dataclass(frozen=True)
 class ScanNoise:
     """Noise of one layout graph with K rows.
 
     `sigma_m (K,)` effective standard deviation of every measurement (down-weighted rows have a larger one, rejected
-    rows infinity); `bias_sigma_m` error that all rows of one track share; `drift` of x and y; `vertical_rate_m_per_sqrt_m`
-    white odometry error of z; `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more.
+    rows infinity); `bias_sigma_m` error that all rows of one track share; `drift` of x and y, `vertical` of z;
+    `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more.
     """
 
     sigma_m: Array
     bias_sigma_m: float
     drift: DriftModel
-    vertical_rate_m_per_sqrt_m: float
+    vertical: VerticalDrift
     flipped: int = 0
     outliers: int = 0
 
