@@ -81,7 +81,7 @@ class LeastSquaresConfig:
 class MergeConfig:
     """Stage `4-merge`. `radius_m`, `eps` and `mu_m` are the paper's; `evidence` takes its gates from the covariance."""
 
-    method: Literal["paper", "evidence"] = "paper"
+    method: Literal["paper", "evidence"] = "evidence"
     engine: Literal["reduced", "cvxpy"] = "reduced"  # of `paper`; "cvxpy" is the verbatim reference, slow and wrong at building scale
     radius_m: float = 1.0
     eps: float = 0.02
