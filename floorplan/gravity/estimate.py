@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from heapq import merge
 
 import numpy as np
 
@@ -54,11 +55,13 @@ def estimate_gravity(source: Source, candidates: Array, progress: Progress) -> R
     measured = _measure(recording, looked, found)
     if _is_z_up(measured, len(looked)):
         return _with_up(recording, np.tile(WORLD_UP, (len(recording), 1)), GravitySource.WORLD)
-    rows = _evenly(candidates, MEASURED_FRAMES)
-    if len(rows) > len(looked):
-        measured = _measure(recording, _looks(source, rows, progress), found)
-    if len(measured.row) < max(1, MIN_MEASURED_SHARE * len(rows)):
-        return _without(recording, f"only {len(measured.row)} of {len(rows)} frames looked at show a floor or ceiling")
+    others = np.setdiff1d(_evenly(candidates, MEASURED_FRAMES), [look.row for look in looked])
+    if len(others):
+        in_order = merge(looked, _looks(source, others, progress), key=lambda look: look.row)
+        measured = _measure(recording, in_order, found)
+    count = len(looked) + len(others)
+    if len(measured.row) < max(1, MIN_MEASURED_SHARE * count):
+        return _without(recording, f"only {len(measured.row)} of {count} frames looked at show a floor or ceiling")
     return _with_up(recording, _along_odometry(recording, measured), GravitySource.ESTIMATED)
 
 
