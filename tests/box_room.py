@@ -43,12 +43,28 @@ class BoxScan:
                 with np.errstate(divide="ignore"):
                     t = (wall - position[axis]) / direction[..., axis]
                 distance = np.where((t > 0) & (t < distance), t, distance)
+        covered = np.zeros(distance.shape, dtype=bool)
+        while covered.mean() < self.clutter_share:
+            _put_clutter(distance, covered, direction, random)
         distance += random.normal(size=distance.shape) * NOISE.sigma_m(distance)
-        if self.clutter_share:
-            distance *= np.where(random.random(distance.shape) < self.clutter_share, random.uniform(0.4, 0.95, distance.shape), 1.0)
         points = (rays * distance[..., None]).astype(np.float32)
         points[distance > self.recording.sensor.max_range_m] = np.nan
         return Frame(index, int(self.recording.stamp_ns[index]), points[::stride, ::stride] if rays.shape[0] > 1 else points)
+
+
+def _put_clutter(distance: Array, covered: Array, direction: Array, random: np.random.Generator) -> None:
+    """A flat upright patch at a random angle before the walls, where nothing else hides it."""
+    height, width = distance.shape
+    i, j = int(random.integers(0, height - 20)), int(random.integers(0, width - 20))
+    patch = (slice(i, i + 20), slice(j, j + 20))
+    angle = random.uniform(0, 2 * np.pi)
+    normal = np.array([np.cos(angle), np.sin(angle), 0.0])
+    centre = direction[i + 10, j + 10] * distance[i + 10, j + 10] * random.uniform(0.5, 0.9)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        patch_m = (centre @ normal) / (direction[patch] @ normal)
+    nearer = (patch_m > 0.3) & (patch_m < distance[patch])
+    distance[patch] = np.where(nearer, patch_m, distance[patch])
+    covered[patch] |= nearer
 
 
 def camera_scan(frames: int = 24, odometry_yaw_drift_deg: float = 0.1, turn_deg: float = 6.0, start_yaw_deg: float = 17.0) -> BoxScan:

@@ -1,5 +1,6 @@
 """Segments, rotations and tracks of a rendered box room against its truth."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -51,6 +52,13 @@ def test_the_rotations_of_a_camera_are_right_to_a_twentieth_of_a_degree() -> Non
     rms = np.degrees(np.sqrt((yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor) ** 2).mean()))
     assert 1e-6 < rms < 0.05
     assert segmented.frames.measured.all()
+
+
+def test_clutter_at_random_angles_over_a_third_of_the_view_costs_a_tenth_of_a_degree_at_most() -> None:
+    box = replace(camera_scan(), clutter_share=0.3)
+    _, segmented = _segmented(box, SegmentsConfig(pixel_stride=1))
+    rms = np.degrees(np.sqrt((yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor) ** 2).mean()))
+    assert 1e-6 < rms < 0.1
 
 
 def test_the_yaw_sigma_tells_the_size_of_the_yaw_error() -> None:

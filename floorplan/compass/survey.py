@@ -13,7 +13,7 @@ from floorplan.compass.smoothing import smooth_angle
 from floorplan.config import CompassConfig
 from floorplan.errors import InputError
 from floorplan.geometry import level_from_sensor, wrap_to
-from floorplan.grid.normals import pixel_weights, surface_normals
+from floorplan.grid.normals import SurfaceNormals, pixel_weights, surface_normals
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan, SensorKind
 from floorplan.readers.base import BadFrame, Source
@@ -86,7 +86,8 @@ def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry
     """Noise scale of the sensor and the upright directions of each sampled frame (empty ones where a frame is bad)."""
     sensor = scan.recording.sensor
     stride = max(1, sensor.width // _GRID_PX) if sensor.height > 1 else 1
-    ratios, kept = [], []
+    ratios: list[float] = []
+    kept: list[SurfaceNormals | None] = []
     for done, frame in enumerate(source.frames(scan.keyframe[sample], stride)):
         if isinstance(frame, BadFrame):
             kept.append(None)
@@ -96,7 +97,7 @@ def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry
             ratio = (normals.residual_m / normals.noise_m)[weight > 0]
             ratio = ratio[np.isfinite(ratio)]
             if len(ratio):
-                ratios.append(np.quantile(ratio, _NOISE_QUANTILE))
+                ratios.append(float(np.quantile(ratio, _NOISE_QUANTILE)))
             kept.append(normals)
         progress(done + 1, len(sample))
     if not ratios:

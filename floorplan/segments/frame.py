@@ -89,14 +89,14 @@ def _frame_rotation(normals: SurfaceNormals, prior: CompassPrior, index: int) ->
     """Prior yaw, drawn to what the frame's own surfaces say as far as each can be trusted."""
     level, yaw, sigma = prior.level_from_sensor[index], float(prior.yaw_rad[index]), float(prior.yaw_sigma_rad[index])
     if prior.final:
-        return FrameRotation(rotation_about_z(yaw) @ level, sigma, bool(prior.measured[index]))
+        return FrameRotation(rotation_about_z(np.asarray(yaw)) @ level, sigma, bool(prior.measured[index]))
     directions = upright_directions(normals, level, 1 if len(normals.weight) == 1 else _YAW_PIXEL_STEP)
     estimate = refine_yaw(directions, -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
     if estimate is None or estimate.share < _WEAK_SHARE:
-        return FrameRotation(rotation_about_z(yaw) @ level, sigma, False)
-    off = float(wrap_to(-estimate.yaw_rad - yaw, QUARTER_RAD))
+        return FrameRotation(rotation_about_z(np.asarray(yaw)) @ level, sigma, False)
+    off = float(wrap_to(np.asarray(-estimate.yaw_rad - yaw), QUARTER_RAD))
     gain = sigma**2 / (sigma**2 + (estimate.sigma_rad / estimate.share) ** 2)
-    return FrameRotation(rotation_about_z(yaw + gain * off) @ level, sigma * math.sqrt(1 - gain), True)
+    return FrameRotation(rotation_about_z(np.asarray(yaw + gain * off)) @ level, sigma * math.sqrt(1 - gain), True)
 
 
 def _labels(points: Array, normals: SurfaceNormals, look: Look, rotation: Array, config: SegmentsConfig) -> Labels:

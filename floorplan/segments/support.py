@@ -99,7 +99,7 @@ def extents_and_areas(points: Array, rotation: Array, grown: Array, count: int, 
                 world[i, j, a] = q
                 low[s, a] = min(low[s, a], q)
                 high[s, a] = max(high[s, a], q)
-                area[s, a] += patch / max(abs(q) / rho, _LEAST_COS_AREA)
+                area[s, a] += patch / max(float(abs(q) / rho), _LEAST_COS_AREA)
     histogram = np.zeros((count, 3, _BINS), np.int32)
     for i in range(height):
         for j in range(width):
