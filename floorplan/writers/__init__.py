@@ -4,6 +4,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from floorplan.config import DrawingConfig, ProjectConfig
@@ -19,10 +20,14 @@ __all__ = ["WRITERS", "FactRow", "SheetFacts", "Writer", "write"]
 class Job:
     """What a format's writer is given."""
 
-    composition: Composition
+    plan: Plan
     drawing: DrawingConfig
     project: ProjectConfig
     facts: SheetFacts
+
+    @cached_property
+    def composition(self) -> Composition:
+        return compose(self.plan, self.drawing)
 
     @property
     def title(self) -> str:
@@ -65,11 +70,46 @@ class Writer:
     make: Callable[[Job], bytes]
 
 
+def _json(job: Job) -> bytes:
+    from floorplan.plan.plan_json import plan_to_json
+
+    return plan_to_json(job.plan).encode("utf-8")
+
+
+def _geojson(job: Job) -> bytes:
+    from floorplan.writers.geojson import geojson_bytes
+
+    return geojson_bytes(job.plan)
+
+
+def _dimensions(job: Job) -> bytes:
+    from floorplan.writers.csv_tables import dimensions_csv
+
+    return dimensions_csv(job.plan)
+
+
+def _rooms(job: Job) -> bytes:
+    from floorplan.writers.csv_tables import rooms_csv
+
+    return rooms_csv(job.plan)
+
+
+def _report(job: Job) -> bytes:
+    from floorplan.writers.html_summary import html_bytes
+
+    return html_bytes(job.composition, job.project, job.facts)
+
+
 _TABLE = (
     Writer("dxf", "CAD drawing: plan in model space, sheet in paper space (R2000 to R2018)", _dxf),
     Writer("svg", "the sheet in true millimetres, one group per layer", _svg),
     Writer("pdf", "the sheet, vector, at true scale", _pdf),
     Writer("png", "the sheet as a picture", _png),
+    Writer("json", "the plan as data, with its schema version", _json),
+    Writer("geojson", "the plan as features in plan metres, for GIS", _geojson),
+    Writer("dimensions", "dimensions.csv, with an empty column to fill on site", _dimensions),
+    Writer("rooms", "rooms.csv, the room schedule", _rooms),
+    Writer("report", "a short HTML page that needs no network", _report),
 )
 WRITERS = {writer.name: writer for writer in _TABLE}
 
@@ -81,7 +121,7 @@ def write(name: str, plan: Plan, path: Path, drawing: DrawingConfig, project: Pr
     """
     if name not in WRITERS:
         raise UsageError(f"format {name!r}: this program writes {', '.join(WRITERS)}")
-    write_atomically(path, WRITERS[name].make(Job(compose(plan, drawing), drawing, project, facts)))
+    write_atomically(path, WRITERS[name].make(Job(plan, drawing, project, facts)))
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -13,7 +13,7 @@ from floorplan.writers.stamp_layout import STAMP_BASELINES_MM, STAMP_HEIGHTS_MM
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-    from ezdxf.layouts import BaseLayout
+    from ezdxf.layouts.base import BaseLayout
 
 OPENING_BLOCKS = {OpeningKind.DOOR: "DOOR", OpeningKind.PASSAGE: "PASSAGE"}
 STAMP_BLOCK = "ROOM_STAMP"

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from floorplan.model.plan import Point
 from floorplan.writers.composition import Composition
-from floorplan.writers.dimension_layout import TEXT_GAP_MM, TEXT_HEIGHT_MM, TICK_MM, PlacedDimension
+from floorplan.writers.dimension_layout import PlacedDimension
+from floorplan.writers.dimension_spots import TEXT_GAP_MM, TEXT_HEIGHT_MM, TICK_MM
 from floorplan.writers.dxf_document import APPLICATION, DIMENSION_STYLE, TEXT_STYLE, model_per_mm
 from floorplan.writers.layers import Layer
 from floorplan.writers.plan_scene import EXTENSION_GAP_MM, EXTENSION_OVER_MM, dimension_items
@@ -69,18 +70,20 @@ def _add_dimension(document: "Drawing", composition: Composition, placed: Placed
             "defpoint2": _scaled(placed.dimension.start, per_metre),
             "defpoint3": _scaled(placed.dimension.end, per_metre),
             "text_midpoint": _scaled(placed.text_centre, per_metre),
-            "angle": placed.text_rotation_deg,
+            "angle": 90.0 * placed.dimension.axis,
             "attachment_point": MIDDLE_CENTRE,
             "text": placed.text,
         },
     )
+    if placed.text_rotation_deg != 90.0 * placed.dimension.axis:
+        entity.dxf.text_rotation = placed.text_rotation_deg
     entity.set_xdata(APPLICATION, [(1000, placed.dimension.id)])
     _draw_geometry(document, composition, placed, block)
 
 
 def _draw_geometry(document: "Drawing", composition: Composition, placed: PlacedDimension, block: "object") -> None:
     from ezdxf.enums import TextEntityAlignment
-    from ezdxf.layouts import BlockLayout
+    from ezdxf.layouts.blocklayout import BlockLayout
 
     if not isinstance(block, BlockLayout):
         raise TypeError("a dimension's geometry belongs into a block")
@@ -89,7 +92,7 @@ def _draw_geometry(document: "Drawing", composition: Composition, placed: Placed
         if isinstance(item, Label):
             continue
         points = [_model(composition, point) for point in item.points]  # type: ignore[union-attr]
-        block.add_line(*points, dxfattribs={"layer": layer})
+        block.add_line(points[0], points[1], dxfattribs={"layer": layer})
     text = block.add_text(
         placed.text,
         height=TEXT_HEIGHT_MM * per_mm,

@@ -25,25 +25,25 @@ FIXED_JULIAN_DATE = 2451544.91568287  # written where the recording's date is no
 @contextmanager
 def fixed_metadata() -> Iterator[None]:
     """ezdxf's own switch for reproducible files: no time, no random identifiers."""
-    import ezdxf
+    from ezdxf._options import options
 
-    before = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
     try:
         yield
     finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
+        options.write_fixed_meta_data_for_testing = before
 
 
 def new_document(composition: Composition, version: str) -> "Drawing":
     """A document of that DXF version; raises ConfigError for one we do not write."""
-    import ezdxf
+    from ezdxf.filemanagement import new
 
     if composition.strict:
         version = CAFM_DXF_VERSION
     if version not in DXF_VERSIONS:
         raise ConfigError(f"drawing.dxf_version = {version!r}: use one of {', '.join(DXF_VERSIONS)}")
-    document = ezdxf.new(version, setup=False)
+    document = new(version, setup=False)
     set_up(document, composition)
     return document
 

@@ -1,5 +1,6 @@
 """The plan in DXF model space: true size, z = 0, one kind of entity per layer."""
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -17,8 +18,9 @@ from floorplan.writers.stamp_layout import PlacedStamp
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-    from ezdxf.entities import DXFGraphic
+    from ezdxf.entities.dxfgfx import DXFGraphic
 
+EVIDENCE_POINTS = 4000  # POINT entities at most: enough to see what a wall rests on, cheap to open
 GREY = (212, 212, 212)  # wall fill
 
 
@@ -73,10 +75,13 @@ def _prepare_blocks(document: "Drawing", composition: Composition) -> None:
 
 
 def _draw_fills(space: ModelSpace) -> None:
+    from ezdxf.colors import RGB
+
+    true_colour = space.document.dxfversion > "AC1015"  # R2000 knows indexed colours only
     for wall in space.composition.plan.walls:
         if wall.fill:
             hatch = space.space.add_hatch(dxfattribs=space.attributes(Layer.WALL_PATTERN))
-            hatch.set_solid_fill(rgb=GREY if space.document.dxfversion > "AC1015" else None)
+            hatch.set_solid_fill(rgb=RGB(*GREY) if true_colour else None)
             ring = wall.fill[:-1] if wall.fill[0] == wall.fill[-1] else wall.fill
             hatch.paths.add_polyline_path(space.points(ring), is_closed=True)
             _identify(hatch, wall.id)
@@ -148,7 +153,8 @@ def _draw_evidence(space: ModelSpace) -> None:
     path = [(float(x), float(y)) for x, y in plan.trajectory.position_m[:, :2]]
     if len(path) > 1:
         space.space.add_lwpolyline(space.points(path), dxfattribs=space.attributes(Layer.PATH))
-    for point in space.points((float(x), float(y)) for x, y in plan.evidence_xy_m):
+    every = max(1, math.ceil(len(plan.evidence_xy_m) / EVIDENCE_POINTS))
+    for point in space.points((float(x), float(y)) for x, y in plan.evidence_xy_m[::every]):
         space.space.add_point(point, dxfattribs=space.attributes(Layer.POINTS))
 
 

@@ -14,7 +14,7 @@ from floorplan.writers.title_block import TITLE_BLOCK, cells, values
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-    from ezdxf.layouts import Paperspace
+    from ezdxf.layouts.layout import Paperspace
 
 SCHEDULE_BLOCK = "ROOM_SCHEDULE"
 SYMBOL_BLOCK = "SCALE_AND_NORTH"

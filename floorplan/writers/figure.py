@@ -69,7 +69,7 @@ def _stroke(axes: "Axes", stroke: Stroke, style: LayerStyle, order: int) -> None
             fill=False,
             edgecolor=style.ink,
             linewidth=pen * POINTS_PER_MM,
-            linestyle=dash,  # type: ignore[arg-type]
+            linestyle=dash,
             capstyle="butt",
             joinstyle="miter",
             zorder=order,

@@ -47,9 +47,16 @@ class Occupancy:
         self._weights.append(weight)
         self._arrays = None
 
-    def cost(self, box: Rectangle) -> float:
+    def touches(self, point: Point, weight: float) -> bool:
+        """Whether a box of that weight lies under the point."""
+        return any(
+            w == weight and b[0] <= point[0] <= b[2] and b[1] <= point[1] <= b[3] for b, w in zip(self._boxes, self._weights, strict=True)
+        )
+
+    def cost(self, box: Rectangle, at_least: float = 0.0) -> float:
+        """Summed weight of the boxes that `box` overlaps, of those that weigh `at_least` so much."""
         if self._arrays is None:
             self._arrays = np.asarray(self._boxes, dtype=float).reshape(-1, 4), np.asarray(self._weights, dtype=float)
         boxes, weights = self._arrays
         overlap = (boxes[:, 0] < box.x1) & (boxes[:, 2] > box.x0) & (boxes[:, 1] < box.y1) & (boxes[:, 3] > box.y0)
-        return float(weights[overlap].sum())
+        return float(weights[overlap & (weights >= at_least)].sum())

@@ -5,7 +5,8 @@ import math
 from floorplan.config import ProjectConfig
 from floorplan.model.plan import FreeLine, Glazing, OpeningKind, Point
 from floorplan.writers.composition import Composition
-from floorplan.writers.dimension_layout import TEXT_HEIGHT_MM, TICK_MM, PlacedDimension
+from floorplan.writers.dimension_layout import PlacedDimension
+from floorplan.writers.dimension_spots import TEXT_HEIGHT_MM, TICK_MM
 from floorplan.writers.door_symbol import UNIT_LEAF, UNIT_LINE, DoorSymbol, unit_arc, window_lines
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.layers import DASHED, PATH_DASH_MM, Layer
@@ -109,19 +110,19 @@ def dimension_items(composition: Composition, placed: PlacedDimension) -> list[I
     """Dimension line, extension lines, oblique strokes and text."""
     layer, axis = Layer.DIMENSION, placed.dimension.axis
     items: list[Item] = [Stroke(layer, _on_paper(composition, placed.line_reach))]
-    for feature, end in zip((placed.dimension.start, placed.dimension.end), placed.line, strict=True):
+    for feature, end, extended in zip((placed.dimension.start, placed.dimension.end), placed.line, placed.extended, strict=True):
         foot, tip = composition.paper(feature), composition.paper(end)
         half = TICK_MM / 2
         items.append(Stroke(layer, ((tip[0] - half, tip[1] - half), (tip[0] + half, tip[1] + half)), pen_mm=TICK_PEN_MM))
         reach = tip[1 - axis] - foot[1 - axis]
-        if abs(reach) > TOUCHING_MM:
+        if extended and abs(reach) > TOUCHING_MM:
             sign = math.copysign(1.0, reach)
             start, stop = foot[1 - axis] + sign * EXTENSION_GAP_MM, tip[1 - axis] + sign * EXTENSION_OVER_MM
             ends = ((tip[0], start), (tip[0], stop)) if axis == 0 else ((start, tip[1]), (stop, tip[1]))
             items.append(Stroke(layer, ends))
     x, y = composition.paper(placed.text_centre)
     half = TEXT_HEIGHT_MM / 2
-    at = (x, y - half) if axis == 0 else (x + half, y)
+    at = (x, y - half) if placed.text_rotation_deg == 0.0 else (x + half, y)
     items.append(Label(layer, placed.text, at, TEXT_HEIGHT_MM, Align.MIDDLE, placed.text_rotation_deg))
     return items
 

@@ -63,5 +63,5 @@ def parse_scale(text: str) -> Scale:
 def _beyond_series(width_m: float, height_m: float, area: Box) -> float:
     room = 2 * FIT_MARGIN_MM
     least = 1000 * max(width_m / (area.width - room), height_m / (area.height - room))
-    magnitude = 10 ** math.floor(math.log10(least))
-    return math.ceil(least / magnitude) * magnitude
+    magnitude = 10.0 ** math.floor(math.log10(least))
+    return float(math.ceil(least / magnitude) * magnitude)

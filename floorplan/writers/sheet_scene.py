@@ -26,6 +26,7 @@ BAR_DIVISIONS = 4
 BAR_MM = 1.6
 NORTH_RADIUS_MM = 7.0
 MINIMUM_VALUE_MM = 1.2
+RULE_ROOM_MM = 0.8  # extra space below a rule of the schedule
 
 
 def rectangle(box: Box) -> tuple[Point, ...]:
@@ -87,9 +88,10 @@ def schedule_items(composition: Composition) -> list[Item]:
     items: list[Item] = [Label(layer, "ROOMS", (area.left, baseline), HEADING_MM, bold=True)]
     for index, row in enumerate(table):
         baseline -= step if index else HEADING_MM * 1.8
+        baseline -= RULE_ROOM_MM if index in (1, len(table) - 1) else 0.0
         items += _schedule_row(row, area, baseline, bold=index in (0, len(table) - 1))
         if index in (0, len(table) - 2):
-            rule = baseline - WORDS_MM * (LINE_SPACING - 1) / 1.4
+            rule = baseline - WORDS_MM * (LINE_SPACING - 1) / 2
             items.append(Stroke(Layer.TITLE_BLOCK, ((area.left, rule), (area.right, rule)), pen_mm=THIN_PEN_MM))
     return items
 

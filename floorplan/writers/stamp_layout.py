@@ -12,7 +12,7 @@ from floorplan.writers.unit_style import UnitStyle, area_text, ceiling_text
 
 NUMBER_MM, NAME_MM, LINE_MM = 3.0, 2.2, 1.8  # capital heights of the lines of a stamp
 LEADING_MM = 1.4  # free space between its lines
-GRID = 13  # trial places per side of the room's box
+GRID = 17  # trial places per side of the room's box
 OUTSIDE_COST = 80.0  # a stamp over its own room's walls
 DISTANCE_COST = 1.0  # for the whole size of the room: the label point is the best guess
 SMALL = 0.7  # stamps that fit no other way are drawn at this size
@@ -39,7 +39,7 @@ class PlacedStamp:
     size: float
 
 
-STAMP_BASELINES_MM = {"NUMBER": 5.0, "NAME": 1.6, "AREA": -1.6, "HEIGHT": -4.8}
+STAMP_BASELINES_MM = {"NUMBER": 3.6, "NAME": 0.2, "AREA": -3.0, "HEIGHT": -6.2}
 STAMP_HEIGHTS_MM = {"NUMBER": NUMBER_MM, "NAME": NAME_MM, "AREA": LINE_MM, "HEIGHT": LINE_MM}
 
 

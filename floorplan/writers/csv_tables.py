@@ -1,0 +1,73 @@
+"""Tables to carry to site: dimensions with an empty column for the measured value, and the room schedule; metres, UTF-8."""
+
+import csv
+import io
+from collections.abc import Iterable
+
+from floorplan.model.plan import Plan
+from floorplan.writers.unit_style import NORMAL_95
+
+DIMENSION_COLUMNS = ("id", "plan_m", "plus_minus_95_m", "from", "to", "direction", "kind", "room", "x1", "y1", "x2", "y2", "measured_m")
+ROOM_COLUMNS = (
+    "number",
+    "name",
+    "kind",
+    "area_m2",
+    "plus_minus_95_m2",
+    "ceiling_height_m",
+    "ceiling_plus_minus_95_m",
+    "visited",
+    "partial",
+)
+AXES = ("x", "y", "height")
+
+
+def dimensions_csv(plan: Plan) -> bytes:
+    """One row per dimension, heights too; with `measured_m` filled in, `check` and `--laser` read the same file by `id`."""
+    rows = (
+        (
+            dimension.id,
+            f"{dimension.distance_m:.4f}",
+            f"{NORMAL_95 * dimension.sigma_m:.4f}",
+            dimension.from_plane,
+            dimension.to_plane,
+            AXES[dimension.axis],
+            dimension.role.value,
+            dimension.room,
+            *(f"{value:.3f}" for value in (*dimension.start, *dimension.end)),
+            "",
+        )
+        for dimension in plan.dimensions
+    )
+    return _table(DIMENSION_COLUMNS, rows)
+
+
+def rooms_csv(plan: Plan) -> bytes:
+    """One row per room; an unknown height is an empty cell."""
+    rows = (
+        (
+            room.id,
+            room.name,
+            room.kind.value,
+            f"{room.area_m2:.3f}",
+            f"{NORMAL_95 * room.area_sigma_m2:.3f}",
+            _metres(room.ceiling_height_m),
+            _metres(None if room.ceiling_sigma_m is None else NORMAL_95 * room.ceiling_sigma_m),
+            "yes" if room.visited else "no",
+            "yes" if room.partial else "no",
+        )
+        for room in plan.rooms
+    )
+    return _table(ROOM_COLUMNS, rows)
+
+
+def _metres(value_m: float | None) -> str:
+    return "" if value_m is None else f"{value_m:.3f}"
+
+
+def _table(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> bytes:
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(rows)
+    return stream.getvalue().encode("utf-8")

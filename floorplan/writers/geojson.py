@@ -1,0 +1,106 @@
+"""The plan as a GeoJSON FeatureCollection in plan metres (x, y along the walls; no geographic reference)."""
+
+import json
+from typing import Any
+
+from floorplan.model.plan import Certainty, Plan, Point
+
+MILLIMETRE_DIGITS = 4  # decimals of a metre kept: a tenth of a millimetre
+
+Feature = dict[str, Any]
+
+
+def geojson_bytes(plan: Plan) -> bytes:
+    """One feature per line: rooms and columns as polygons, walls and glazing as lines, openings as points with their width."""
+    features = [*_rooms(plan), *_gross(plan), *_walls(plan), *_lines(plan), *_openings(plan), *_columns(plan)]
+    lines = ",\n".join(json.dumps(feature, ensure_ascii=False) for feature in features)
+    head = '{"type": "FeatureCollection", "units": "m", "frame": "plan: x and y along the walls", "features": ['
+    return f"{head}\n{lines}\n]}}\n".encode()
+
+
+def _feature(kind: str, identity: str, geometry: str, coordinates: Any, **properties: Any) -> Feature:
+    return {
+        "type": "Feature",
+        "id": identity,
+        "properties": {"kind": kind, **properties},
+        "geometry": {"type": geometry, "coordinates": coordinates},
+    }
+
+
+def _position(point: Point) -> list[float]:
+    return [round(float(point[0]), MILLIMETRE_DIGITS), round(float(point[1]), MILLIMETRE_DIGITS)]
+
+
+def _line(points: tuple[Point, ...]) -> list[list[float]]:
+    return [_position(point) for point in points]
+
+
+def _ring(points: tuple[Point, ...]) -> list[list[float]]:
+    """A linear ring repeats its first point (RFC 7946)."""
+    ring = points if points[0] != points[-1] else points[:-1]
+    return _line((*ring, ring[0]))
+
+
+def _rooms(plan: Plan) -> list[Feature]:
+    return [
+        _feature(
+            "room",
+            room.id,
+            "Polygon",
+            [_ring(room.outline), *(_ring(hole) for hole in room.holes)],
+            room_kind=room.kind.value,
+            name=room.name,
+            area_m2=room.area_m2,
+            area_sigma_m2=room.area_sigma_m2,
+            ceiling_height_m=room.ceiling_height_m,
+            visited=room.visited,
+            partial=room.partial,
+        )
+        for room in plan.rooms
+    ]
+
+
+def _gross(plan: Plan) -> list[Feature]:
+    return [_feature("gross outline", f"gross-{number}", "Polygon", [_ring(ring)]) for number, ring in enumerate(plan.gross_outline, 1)]
+
+
+def _walls(plan: Plan) -> list[Feature]:
+    features = []
+    for wall in plan.walls:
+        about = {"thickness_m": wall.thickness_m, "thickness_sigma_m": wall.thickness_sigma_m, "height_m": wall.height_m}
+        for certainty, lines in ((Certainty.SEEN, wall.seen), (Certainty.INFERRED, wall.inferred)):
+            if lines:
+                coordinates = [_line(line) for line in lines]
+                features.append(
+                    _feature("wall", f"{wall.id}-{certainty.value}", "MultiLineString", coordinates, certainty=certainty.value, **about)
+                )
+    return features
+
+
+def _lines(plan: Plan) -> list[Feature]:
+    free = [
+        _feature("free line", line.id, "LineString", _line((line.start, line.end)), sigma_m=line.sigma_m, off_axis_deg=line.off_axis_deg)
+        for line in plan.free_lines
+    ]
+    return free + [_feature("glazing", pane.id, "LineString", _line((pane.start, pane.end))) for pane in plan.glazing]
+
+
+def _openings(plan: Plan) -> list[Feature]:
+    return [
+        _feature(
+            opening.kind.value,
+            opening.id,
+            "Point",
+            _position(opening.centre),
+            along_axis="xy"[opening.along_axis],
+            width_m=opening.width_m,
+            width_sigma_m=opening.width_sigma_m,
+            head_height_m=opening.head_height_m,
+            walked_through=opening.walked_through,
+        )
+        for opening in plan.openings
+    ]
+
+
+def _columns(plan: Plan) -> list[Feature]:
+    return [_feature("column", column.id, "Polygon", [_ring(column.outline)]) for column in plan.columns]
