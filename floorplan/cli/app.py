@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from floorplan import __version__
-from floorplan.cli import build_command, info_command, look_commands, simulate_command, work_commands
+from floorplan.cli import build_command, info_command, look_commands, simulate_command, solve_command, work_commands
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -37,4 +37,5 @@ app.command("export")(work_commands.export)
 app.command("formats")(look_commands.formats)
 app.command("config")(look_commands.config)
 app.command("doctor")(look_commands.doctor)
+app.command("solve")(solve_command.solve)
 app.command("simulate")(simulate_command.simulate)
