@@ -15,14 +15,16 @@ def rays_beyond(evidence: PlaneEvidence, column: int, inward: int) -> bool:
     return bool(evidence.fine_passes[low:high].sum() > evidence.fine_hits[low:high].sum())
 
 
-def refined_edge_m(evidence: PlaneEvidence, column: int, inward: int) -> float:
+def refined_edge_m(evidence: PlaneEvidence, column: int, inward: int, inside: float, outside: float) -> float:
     """Coordinate of the edge near the beginning of `column`, the wall lying towards `inward` (+1 or -1).
 
+    It is looked for at most `inside` and `outside` columns away, so that edges of neighbouring pieces cannot cross.
     The edge that leaves the fewest rays on the wrong side: hits beyond it and passes before it. Between equally
     good ones, the middle where rays passed beyond (a jamb), else the last hit.
     """
-    middle, reach = column * FINE_CELLS, SEARCH_CELLS * FINE_CELLS
-    low, high = max(middle - reach, 0), min(middle + reach, len(evidence.fine_hits))
+    before, after = (outside, inside) if inward > 0 else (inside, outside)
+    low = max(int((column - min(before, SEARCH_CELLS)) * FINE_CELLS), 0)
+    high = min(int((column + min(after, SEARCH_CELLS)) * FINE_CELLS), len(evidence.fine_hits))
     hits, passes = evidence.fine_hits[low:high], evidence.fine_passes[low:high]
     if not hits.any():  # behind a cabinet, or seen only above: no finer evidence
         return evidence.along_m(column)

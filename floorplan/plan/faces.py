@@ -115,8 +115,11 @@ def _runs_of_plane(
     evidence: PlaneEvidence, verdict: ColumnVerdict, config: PlanConfig, heights: bool
 ) -> tuple[list[Run], list[tuple[Reason, float]]]:
     kept, refused = [], []
-    for first, last in bridged_spans(verdict, evidence.along_step_m, config.max_bridged_gap_m):
-        run = _run(evidence, verdict, first, last, heights)
+    found = bridged_spans(verdict, evidence.along_step_m, config.max_bridged_gap_m)
+    for k, (first, last) in enumerate(found):
+        before = first - found[k - 1][1] if k else first
+        after = found[k + 1][0] - last if k + 1 < len(found) else len(verdict.wall) - last
+        run = _run(evidence, verdict, _Span(first, last, before / 2, after / 2), heights)
         seen_in = int(evidence.frames[first:last].max())
         if run.length_m < config.min_wall_length_m:
             refused.append((Reason.SHORT, run.length_m))
@@ -161,8 +164,20 @@ def _dense_spans(wall: Array) -> list[tuple[int, int]]:
     return joined
 
 
-def _run(evidence: PlaneEvidence, verdict: ColumnVerdict, first: int, last: int, heights: bool) -> Run:
-    start, end = refined_edge_m(evidence, first, +1), refined_edge_m(evidence, last, -1)
+@dataclass(frozen=True)
+class _Span:
+    """Columns `first` to `last` (exclusive) and half the way to the neighbouring spans, in columns."""
+
+    first: int
+    last: int
+    before: float
+    after: float
+
+
+def _run(evidence: PlaneEvidence, verdict: ColumnVerdict, span: _Span, heights: bool) -> Run:
+    first, last, half = span.first, span.last, (span.last - span.first) / 2
+    start = refined_edge_m(evidence, first, +1, half, span.before)
+    end = refined_edge_m(evidence, last, -1, half, span.after)
     parts = [(evidence.along_m(first + a), evidence.along_m(first + b)) for a, b in _dense_spans(verdict.wall[first:last])]
     seen = tuple((start if k == 0 else a, end if k == len(parts) - 1 else b) for k, (a, b) in enumerate(parts))
     open_ends = (rays_beyond(evidence, first, +1), rays_beyond(evidence, last, -1))

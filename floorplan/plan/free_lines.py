@@ -9,12 +9,15 @@ from floorplan.geometry import wrap_to
 from floorplan.model.checks import Array
 from floorplan.model.plan import FreeLine
 from floorplan.model.segment import FreePatches
+from floorplan.plan.corners import FaceRun
 from floorplan.plan.plan_frame import PlanWorld
 
 SAME_ANGLE_RAD = np.deg2rad(4.0)  # patches of one surface, short ones are known no better
 SAME_OFFSET_M = 0.10
 SAME_GAP_M = 0.5  # along the line, between patches of one surface
 MIN_OFF_AXIS_RAD = np.deg2rad(4.0)  # nearer to an axis it is a layout plane's business
+MAX_FRAME_ERROR_DEG = 15.0  # no frame's rotation is farther off than this
+DOUBLE_M, DOUBLE_SHARE, DOUBLE_SAMPLES = 0.30, 0.5, 21  # beside a face: nearer than a wall's thickness over half the length
 LEAF_TOP_M = 2.15  # a door leaf ends below this
 
 
@@ -43,16 +46,29 @@ class _Patches:
     weight: Array
 
 
-def free_lines(patches: FreePatches, world: PlanWorld, config: PlanConfig) -> tuple[FreeLine, ...]:
+def free_lines(patches: FreePatches, world: PlanWorld, faces: tuple[FaceRun, ...], config: PlanConfig) -> tuple[FreeLine, ...]:
     """Lines L1.. of surfaces that are long, high and often enough seen to be walls."""
     table = _in_plan_frame(patches, world)
     clusters: list[FreeCluster] = []
     for row in np.argsort(-table.weight, kind="stable"):
         _add(clusters, table, int(row))
     lines = [_line(cluster, table, world.heights) for cluster in clusters if _is_wall(cluster, table, world.heights, config)]
-    lines = [line for line in lines if np.deg2rad(line.off_axis_deg) >= MIN_OFF_AXIS_RAD]
+    lines = [line for line in lines if np.deg2rad(line.off_axis_deg) >= MIN_OFF_AXIS_RAD and not _doubles_a_face(line, faces)]
     ordered = sorted(lines, key=lambda line: (line.start, line.end))
     return tuple(FreeLine(f"L{k + 1}", *_fields(line)) for k, line in enumerate(ordered))
+
+
+def _doubles_a_face(line: FreeLine, faces: tuple[FaceRun, ...]) -> bool:
+    """Whether a line runs beside a drawn face for most of its length: the same wall, from frames whose rotation was wrong."""
+    if line.off_axis_deg > MAX_FRAME_ERROR_DEG:
+        return False
+    points = np.linspace(line.start, line.end, DOUBLE_SAMPLES)
+    steep = abs(line.end[1] - line.start[1]) > abs(line.end[0] - line.start[0])
+    beside = np.zeros(DOUBLE_SAMPLES, dtype=bool)
+    for face in (face for face in faces if face.axis == (0 if steep else 1)):
+        along, across = points[:, 1 - face.axis], np.abs(points[:, face.axis] - face.offset_m)
+        beside |= (along >= face.start_m) & (along <= face.end_m) & (across <= DOUBLE_M)
+    return bool(beside.mean() > DOUBLE_SHARE)
 
 
 def _fields(line: FreeLine) -> tuple[object, ...]:

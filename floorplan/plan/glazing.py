@@ -7,6 +7,7 @@ import numpy as np
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.plan import Glazing, Point
+from floorplan.plan.arrangement import Barrier
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.faces import spans
 from floorplan.plan.plan_frame import PlanWorld
@@ -16,11 +17,13 @@ LINE_HALF_WIDTH_M = 0.10  # a mullion's depth, and the scatter of readings at it
 NEAR_FACE_M = 0.15  # points this near to a drawn face belong to it
 MIN_MULLIONS = 3  # two posts may be anything
 MAX_MULLION_M = 0.30
+POST_SHARE = 0.1  # of the best cells' points: less is the trail of stray readings beside a post
 MIN_SPACING_M, MAX_SPACING_M = 0.4, 2.5
 REGULAR = 0.20  # spread of the spacings relative to their mean; mullions are set out by a grid
 MIN_POINTS_PER_MULLION = 6
 MIN_MULLION_HEIGHT_M = 0.4  # within the wall band: a post, not a shelf's edge
 MIN_RAYS_BETWEEN = 5
+STEP_M = 0.30  # a glazing line and the wall it goes on from stand no farther apart: a wall's thickness
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,8 @@ def _glazed_line(world: PlanWorld, rows: Array, axis: int, offset: float, faces:
     along, z = world.point_m[mine, 1 - axis], world.point_m[mine, 2]
     low = float(along.min()) - BIN_M
     cell = ((along - low) / BIN_M).astype(np.int64)
-    occupied = np.bincount(cell, minlength=cell.max() + 2) >= 2
+    counts = np.bincount(cell, minlength=cell.max() + 2)
+    occupied = counts >= max(2.0, POST_SHARE * np.percentile(counts[counts > 0], 90))
     posts = []
     for a, b in spans(occupied):
         inside = (cell >= a) & (cell < b)
@@ -131,13 +135,24 @@ def _seen_through(world: PlanWorld, axis: int, offset: float, posts: Array) -> b
 
 
 def _end_at_wall(faces: tuple[FaceRun, ...], axis: int, offset: float, at: float, sign: int, spacing: float) -> float:
-    """The wall face across the line within one spacing beyond the last mullion, else the mullion itself."""
-    reach = spacing * (1 + REGULAR)
-    walls = [
-        face.offset_m
-        for face in faces
-        if face.axis != axis
-        and face.start_m - NEAR_FACE_M <= offset <= face.end_m + NEAR_FACE_M
-        and 0 < (face.offset_m - at) * sign <= reach
-    ]
-    return min(walls, key=lambda wall: abs(wall - at)) if walls else float(at)
+    """The nearest wall within one spacing beyond the last mullion, across the line or going on from it, else the mullion itself."""
+    walls = []
+    for face in faces:
+        if face.axis != axis and face.start_m - NEAR_FACE_M <= offset <= face.end_m + NEAR_FACE_M:
+            walls.append(face.offset_m)
+        elif face.axis == axis and abs(face.offset_m - offset) <= STEP_M:
+            walls.append(face.start_m if sign > 0 else face.end_m)
+    ahead = [wall for wall in walls if 0 < (wall - at) * sign <= spacing * (1 + REGULAR)]
+    return min(ahead, key=lambda wall: abs(wall - at)) if ahead else float(at)
+
+
+def barriers_of(line: GlazedLine, faces: tuple[FaceRun, ...]) -> tuple[Barrier, ...]:
+    """The line as a barrier, and the steps to walls that go on from its ends a little to the side."""
+    barriers = [Barrier(line.axis, line.offset_m, line.start_m, line.end_m)]
+    for at in (line.start_m, line.end_m):
+        for face in faces:
+            beside = face.axis == line.axis and 0 < abs(face.offset_m - line.offset_m) <= STEP_M
+            if beside and at in (face.start_m, face.end_m):
+                low, high = sorted((face.offset_m, line.offset_m))
+                barriers.append(Barrier(1 - line.axis, at, low, high))
+    return tuple(barriers)

@@ -12,6 +12,7 @@ from floorplan.plan.bodies import bodies_of, junction_blocks, paired_faces, soli
 from floorplan.plan.columns import find_columns
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
 from floorplan.plan.dimensions import numbered, wall_to_wall
+from floorplan.plan.doubles import without_doubles
 from floorplan.plan.faces import Run, find_runs
 from floorplan.plan.free_lines import free_lines
 from floorplan.plan.free_space import free_space
@@ -37,7 +38,8 @@ def make_plan(
     ids = tuple(plane.id for plane in planes)
     evidence = surface_evidence(world, config)
     found = find_runs(evidence, config, world.heights)
-    faces = joined_corners(tuple(_face_run(run, world) for run in found.runs), config.max_bridged_gap_m)
+    single, doubled = without_doubles(tuple(_face_run(run, world) for run in found.runs), evidence, config, world.heights)
+    faces = joined_corners(single, config.max_bridged_gap_m)
     pairs = paired_faces(faces, config)
     faces = agreed_jambs(faces, pairs)
     bodies = bodies_of(faces, pairs)
@@ -62,7 +64,7 @@ def make_plan(
         rotation_quarters=world.rotation_quarters,
         shift_m=np.array(world.shift_m),
         dimensions=numbered(dimensions),
-        free_lines=free_lines(segmented.free_patches, world, config),
+        free_lines=free_lines(segmented.free_patches, world, faces, config),
         glazing=as_glazing(glazed),
         openings=openings,
         columns=find_columns(bodies, faces),
@@ -70,7 +72,7 @@ def make_plan(
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=solution.plane_covariance_m2,
         evidence_xy_m=_drawn_points(world, config),
-        rejections=found.rejections,
+        rejections=found.rejections + doubled,
         floor_seen=world.floor_seen,
     )
 

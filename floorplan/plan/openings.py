@@ -37,7 +37,7 @@ def find_openings(
 
 def _may_open(gap: Gap, config: PlanConfig) -> bool:
     wide_enough = config.min_door_width_m <= gap.width_m <= config.max_opening_width_m
-    return gap.is_window or (wide_enough and gap.passed >= OPEN_SHARE)
+    return gap.passed >= OPEN_SHARE and (gap.is_window or wide_enough)
 
 
 def _groups(gaps: list[Gap], faces: tuple[FaceRun, ...], config: PlanConfig) -> list[GapGroup]:
@@ -104,4 +104,7 @@ def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool) -> OpeningKind | 
         return OpeningKind.DOOR
     if any(gap.lintel is False for gap in gaps):
         return OpeningKind.PASSAGE if has_body or walked else None
-    return OpeningKind.DOOR if has_body and walked else OpeningKind.PASSAGE if walked or has_body else None
+    if has_body and walked:
+        return OpeningKind.DOOR
+    in_one_surface = all(gap.after is not None for gap in gaps)
+    return OpeningKind.PASSAGE if walked or has_body or in_one_surface else None

@@ -74,7 +74,7 @@ def count_rays(
             hits[a, b] += weight[i]
             if in_band:
                 fine_hits[k] += weight[i]
-            if last_frame[a] != f:
+            if mine and last_frame[a] != f:
                 last_frame[a] = f
                 frames[a] += 1
         elif kind == 2:

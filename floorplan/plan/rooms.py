@@ -15,7 +15,7 @@ from floorplan.plan.bodies import Body
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M, FreeSpace
 from floorplan.plan.gaps import OPEN_SHARE, Gap
-from floorplan.plan.glazing import GlazedLine
+from floorplan.plan.glazing import GlazedLine, barriers_of
 
 CORRIDOR_WIDTH_M = 3.0  # corridors are narrower ...
 CORRIDOR_STRETCH = 1.5  # ... and at least about four times as long as wide: perimeter^2 / (16 area), 1 for a square
@@ -37,7 +37,7 @@ class RoomScene:
 
 def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
     """Rooms R1.. from the top left; areas without sigma and ceilings without height yet."""
-    glass = (Barrier(line.axis, line.offset_m, line.start_m, line.end_m) for line in scene.glazed)
+    glass = (barrier for line in scene.glazed for barrier in barriers_of(line, scene.faces))
     barriers = (*wall_barriers(scene.faces), *opening_barriers(scene, config), *glass)
     matter = np.array([body.rectangle.bounds for body in scene.bodies]).reshape(-1, 4)
     arrangement = arrange(barriers, scene.space, MatterShare(matter))
@@ -54,13 +54,19 @@ def wall_barriers(faces: tuple[FaceRun, ...]) -> tuple[Barrier, ...]:
 
 
 def opening_barriers(scene: RoomScene, config: PlanConfig) -> tuple[Barrier, ...]:
-    """Openings up to door width, seen through or not, in walls known to be walls: thick, or hit above the gap."""
+    """Openings up to door width, seen through or not, in walls known to be walls: thick, hit above the gap, or unseen there."""
     thick = {index for body in scene.bodies for index in (body.low_face, body.high_face)}
     closed = []
     for gap in scene.gaps:
         face = scene.faces[gap.face]
         after = face if gap.after is None else scene.faces[gap.after]
-        in_wall = gap.lintel or gap.passed < OPEN_SHARE or gap.face in thick or gap.after in thick
+        in_wall = (
+            gap.lintel
+            or (gap.lintel is None and gap.after is not None)
+            or gap.passed < OPEN_SHARE
+            or gap.face in thick
+            or gap.after in thick
+        )
         if gap.is_window or (gap.width_m <= config.max_door_width_m and in_wall):
             closed.append(Barrier(face.axis, face.offset_m, gap.start_m, gap.end_m, solid=False))
             if after.offset_m != face.offset_m:  # the two sides of the opening are not quite in line: close the step
