@@ -37,7 +37,7 @@ class Job:
 def _dxf(job: Job) -> bytes:
     from floorplan.writers.dxf import dxf_bytes
 
-    return dxf_bytes(job.composition, job.drawing.dxf_version, job.project, job.facts)
+    return dxf_bytes(job.composition, job.drawing.dxf_version, job.project, job.facts, job.drawing.template)
 
 
 def _svg(job: Job) -> bytes:

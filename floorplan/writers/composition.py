@@ -124,4 +124,5 @@ def _pieces(start: Point, end: Point) -> list[tuple[Point, Point]]:
 
 def _add_provisional_stamps(plan: Plan, scale: Scale, units: UnitStyle, occupied: Occupancy) -> None:
     for room in plan.rooms:
-        occupied.add(stamp_rectangle(stamp_lines(room, units), room.label, 1.0, scale), STAMP_WEIGHT)
+        stamp = PlacedStamp(room, stamp_lines(room, units), room.label, 1.0)
+        occupied.add(stamp_rectangle(stamp, scale), STAMP_WEIGHT)

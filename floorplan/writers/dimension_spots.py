@@ -66,7 +66,7 @@ def _along(dimension: Dimension, across: float, width: float, scale: Scale, cost
     sign = 1.0 if axis == 0 else -1.0
     yield _spot(axis, across, (low, high), (middle, across + sign * offset), width, scale, cost + (TOO_WIDE_COST if room < 0 else 0.0))
     if room > 0:
-        for slide in (-0.3 * room, 0.3 * room):
+        for slide in (-0.25 * room, 0.25 * room, -0.45 * room, 0.45 * room):
             yield _spot(axis, across, (low, high), (middle + slide, across + sign * offset), width, scale, cost + SLID_COST)
         return
     side = scale.model_m(TEXT_GAP_MM) + width / 2

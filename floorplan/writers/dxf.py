@@ -8,10 +8,13 @@ from floorplan.writers.dxf_sheet import draw_sheet
 from floorplan.writers.facts import SheetFacts
 
 
-def dxf_bytes(composition: Composition, version: str, project: ProjectConfig, facts: SheetFacts) -> bytes:
-    """A DXF file of that version; the same bytes for the same input. Raises ConfigError for an unknown version."""
+def dxf_bytes(composition: Composition, version: str, project: ProjectConfig, facts: SheetFacts, template: str = "") -> bytes:
+    """A DXF file of that version; the same bytes for the same input.
+
+    Raises ConfigError for an unknown version or a template that lacks what it must own.
+    """
     with fixed_metadata():
-        document = new_document(composition, version)
+        document = new_document(composition, version, template)
         draw_plan(document, composition)
         draw_sheet(document, composition, project, facts)
         return document_bytes(document, facts.date)

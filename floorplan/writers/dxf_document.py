@@ -35,15 +35,18 @@ def fixed_metadata() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def new_document(composition: Composition, version: str) -> "Drawing":
-    """A document of that DXF version; raises ConfigError for one we do not write."""
+def new_document(composition: Composition, version: str, template: str = "") -> "Drawing":
+    """A document of that DXF version, begun from a template if there is one; raises ConfigError for a version we do not write."""
     from ezdxf.filemanagement import new
+
+    from floorplan.writers.dxf_template import open_template
 
     if composition.strict:
         version = CAFM_DXF_VERSION
     if version not in DXF_VERSIONS:
         raise ConfigError(f"drawing.dxf_version = {version!r}: use one of {', '.join(DXF_VERSIONS)}")
-    document = new(version, setup=False)
+    document = open_template(template, composition) if template else new(version, setup=False)
+    document.dxfversion = version
     set_up(document, composition)
     return document
 

@@ -143,8 +143,10 @@ def _draw_stamp(space: ModelSpace, stamp: PlacedStamp) -> None:
     insert = space.space.add_blockref(STAMP_BLOCK, space.points([stamp.centre])[0], dxfattribs=space.attributes(Layer.AREA_IDENTITY))
     insert.set_scale(model_per_mm(space.composition) * stamp.size)
     insert.add_auto_attribs({line.tag: line.text for line in stamp.lines})
+    shown = {line.tag for line in stamp.shown}
     for attribute in insert.attribs:
         attribute.dxf.layer = insert.dxf.layer
+        attribute.is_invisible = attribute.dxf.tag not in shown
     _identify(insert, stamp.room.id)
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 SCHEDULE_BLOCK = "ROOM_SCHEDULE"
 SYMBOL_BLOCK = "SCALE_AND_NORTH"
 LAYOUT_NAME = "Sheet"
+EMPTY_LAYOUT = "Layout1"  # the one a new document has
 VIEWPORT_LAYER = "Defpoints"  # never plotted: no frame around the viewport
 VIEWPORT_INSET_MM = 1.0
 
@@ -26,8 +27,7 @@ VIEWPORT_INSET_MM = 1.0
 def draw_sheet(document: "Drawing", composition: Composition, project: ProjectConfig, facts: SheetFacts) -> None:
     """One layout of the sheet's size with everything on it."""
     sheet = composition.sheet
-    document.layouts.rename("Layout1", LAYOUT_NAME)
-    paper = document.paperspace(LAYOUT_NAME)
+    paper = _layout(document)
     paper.page_setup(size=(sheet.width_mm, sheet.height_mm), margins=(0, 0, 0, 0), units="mm", name=sheet.name.replace(" ", "_"))
     _add_viewport(paper, composition)
     _add_title_block(document, paper, composition, project, facts)
@@ -36,6 +36,28 @@ def draw_sheet(document: "Drawing", composition: Composition, project: ProjectCo
     for item in note_items(composition, facts):
         if isinstance(item, Label):
             draw_label(paper, item, composition.layers[Layer.NOTE].name)
+
+
+def _layout(document: "Drawing") -> "Paperspace":
+    """The layout of the sheet: ours is the empty document's first; a template keeps its own and gets one more."""
+    if LAYOUT_NAME in document.layouts.names():
+        document.layouts.delete(LAYOUT_NAME)
+    if document.layouts.names() == ["Model", EMPTY_LAYOUT]:
+        document.layouts.rename(EMPTY_LAYOUT, LAYOUT_NAME)
+    else:
+        document.layouts.new(LAYOUT_NAME)
+    document.layouts.set_active_layout(LAYOUT_NAME)
+    return document.paperspace(LAYOUT_NAME)
+
+
+def add_title_block(document: "Drawing", composition: Composition, worded: dict[str, str]) -> None:
+    """The definition of our title block for this sheet; heights are chosen so that `worded` fits its cells."""
+    block = document.blocks.new(TITLE_BLOCK)
+    draw_items(block, frame_items(composition), "0")
+    for cell in cells(composition.sheet.strip):
+        label = value_label(cell, worded[cell.field.tag])
+        definition = block.add_attdef(cell.field.tag, label.at, dxfattribs={"height": label.height_mm, "style": TEXT_STYLE})
+        definition.dxf.prompt = cell.field.caption
 
 
 def _add_viewport(paper: "Paperspace", composition: Composition) -> None:
@@ -58,12 +80,7 @@ def _add_title_block(document: "Drawing", paper: "Paperspace", composition: Comp
     layer = composition.layers[Layer.TITLE_BLOCK].name
     worded = values(composition, project, facts)
     if TITLE_BLOCK not in document.blocks:
-        block = document.blocks.new(TITLE_BLOCK)
-        draw_items(block, frame_items(composition), "0")
-        for cell in cells(composition.sheet.strip):
-            label = value_label(cell, worded[cell.field.tag])
-            definition = block.add_attdef(cell.field.tag, label.at, dxfattribs={"height": label.height_mm, "style": TEXT_STYLE})
-            definition.dxf.prompt = cell.field.caption
+        add_title_block(document, composition, worded)
     insert = paper.add_blockref(TITLE_BLOCK, (0, 0), dxfattribs={"layer": layer})
     insert.add_auto_attribs(worded)
     for attribute in insert.attribs:

@@ -138,6 +138,5 @@ def _stamp(composition: Composition, stamp: PlacedStamp) -> list[Item]:
             Align.MIDDLE,
             bold=line.tag == "NUMBER",
         )
-        for line in stamp.lines
-        if line.text
+        for line in stamp.shown
     ]

@@ -10,12 +10,15 @@ from floorplan.writers.scale import Scale
 from floorplan.writers.text_size import text_width
 from floorplan.writers.unit_style import UnitStyle, area_text, ceiling_text
 
+NUMBER_TAG = "NUMBER"
 NUMBER_MM, NAME_MM, LINE_MM = 3.0, 2.2, 1.8  # capital heights of the lines of a stamp
 LEADING_MM = 1.4  # free space between its lines
 GRID = 17  # trial places per side of the room's box
 OUTSIDE_COST = 80.0  # a stamp over its own room's walls
 DISTANCE_COST = 1.0  # for the whole size of the room: the label point is the best guess
-SMALL = 0.7  # stamps that fit no other way are drawn at this size
+SMALL = 0.7  # stamps that do not fit otherwise are drawn at this size ...
+SMALL_COST = 20.0
+NUMBER_ONLY_COST = 40.0  # ... and those that do not fit at all show their number alone: the rest is in the schedule
 PARTIAL_MARK = "partly seen"
 
 
@@ -37,6 +40,11 @@ class PlacedStamp:
     lines: tuple[StampLine, ...]
     centre: Point
     size: float
+    number_only: bool = False
+
+    @property
+    def shown(self) -> tuple[StampLine, ...]:
+        return tuple(line for line in self.lines if line.text and not (self.number_only and line.tag != NUMBER_TAG))
 
 
 STAMP_BASELINES_MM = {"NUMBER": 3.6, "NAME": 0.2, "AREA": -3.0, "HEIGHT": -6.2}
@@ -59,10 +67,10 @@ def stamp_lines(room: Room, units: UnitStyle) -> tuple[StampLine, ...]:
     return tuple(StampLine(tag, text, STAMP_HEIGHTS_MM[tag], STAMP_BASELINES_MM[tag]) for tag, text in stamp_texts(room, units).items())
 
 
-def stamp_rectangle(lines: tuple[StampLine, ...], centre: Point, size: float, scale: Scale) -> Rectangle:
+def stamp_rectangle(stamp: PlacedStamp, scale: Scale) -> Rectangle:
     """The box around a stamp in the plan frame."""
-    shown = [line for line in lines if line.text]
-    width = max(text_width(line.text, line.height_mm, bold=line.tag == "NUMBER") for line in shown) + 2 * LEADING_MM
+    shown, centre, size = stamp.shown, stamp.centre, stamp.size
+    width = max(text_width(line.text, line.height_mm, bold=line.tag == NUMBER_TAG) for line in shown) + 2 * LEADING_MM
     top = max(line.baseline_mm + line.height_mm for line in shown) + LEADING_MM / 2
     bottom = min(line.baseline_mm for line in shown) - LEADING_MM / 2
     half = scale.model_m(width * size) / 2
@@ -76,19 +84,26 @@ def place_stamps(plan: Plan, scale: Scale, units: UnitStyle, occupied: Occupancy
 
 def _place(room: Room, lines: tuple[StampLine, ...], scale: Scale, occupied: Occupancy) -> PlacedStamp:
     polygon = Polygon(room.outline, room.holes)
-    reach = max(abs(polygon.bounds[2] - polygon.bounds[0]), abs(polygon.bounds[3] - polygon.bounds[1]), 1e-6)
-    trials = []
-    for size in (1.0, SMALL):
-        for centre in (room.label, *_grid(polygon)):
-            rectangle = stamp_rectangle(lines, centre, size, scale)
-            cost = occupied.cost(rectangle) + (0.0 if size == 1.0 else OUTSIDE_COST / 4)
-            cost += DISTANCE_COST * (abs(centre[0] - room.label[0]) + abs(centre[1] - room.label[1])) / reach
-            if not polygon.covers(box(rectangle.x0, rectangle.y0, rectangle.x1, rectangle.y1)):
-                cost += OUTSIDE_COST
-            trials.append((cost, size, centre))
-    _, size, centre = min(trials, key=lambda trial: trial[0])
-    occupied.add(stamp_rectangle(lines, centre, size, scale), TEXT_WEIGHT)
-    return PlacedStamp(room, lines, centre, size)
+    forms = ((1.0, False, 0.0), (SMALL, False, SMALL_COST), (1.0, True, NUMBER_ONLY_COST))
+    places = (room.label, *_grid(polygon))
+    best, best_cost = PlacedStamp(room, lines, room.label, 1.0), float("inf")
+    for size, number_only, form_cost in forms:
+        for centre in places:
+            stamp = PlacedStamp(room, lines, centre, size, number_only)
+            cost = form_cost + _cost(stamp, polygon, scale, occupied)
+            if cost < best_cost:
+                best, best_cost = stamp, cost
+    occupied.add(stamp_rectangle(best, scale), TEXT_WEIGHT)
+    return best
+
+
+def _cost(stamp: PlacedStamp, polygon: Polygon, scale: Scale, occupied: Occupancy) -> float:
+    x0, y0, x1, y1 = polygon.bounds
+    label, centre = stamp.room.label, stamp.centre
+    rectangle = stamp_rectangle(stamp, scale)
+    cost: float = occupied.cost(rectangle) + DISTANCE_COST * (abs(centre[0] - label[0]) + abs(centre[1] - label[1])) / max(x1 - x0, y1 - y0)
+    inside: bool = polygon.covers(box(rectangle.x0, rectangle.y0, rectangle.x1, rectangle.y1))
+    return cost if inside else cost + OUTSIDE_COST
 
 
 def _grid(polygon: Polygon) -> list[Point]:

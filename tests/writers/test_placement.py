@@ -19,11 +19,11 @@ def overlapping(a: Rectangle, b: Rectangle) -> bool:
 
 def boxes(composition: Composition) -> dict[str, Rectangle]:
     texts = {placed.dimension.id: placed.text_box for placed in composition.dimensions}
-    stamps = {s.room.id: stamp_rectangle(s.lines, s.centre, s.size, composition.scale) for s in composition.stamps}
+    stamps = {s.room.id: stamp_rectangle(s, composition.scale) for s in composition.stamps}
     return texts | stamps
 
 
-@pytest.mark.parametrize(("sheet", "scale"), [("A3", "1:100"), ("A2", "1:50"), ("A4", "1:100")])
+@pytest.mark.parametrize(("sheet", "scale"), [("A3", "1:100"), ("A2", "1:50"), ("A4", "1:100"), ("A4", "1:200")])
 def test_no_text_lies_on_another(sheet: str, scale: str) -> None:
     composition = compose(sample_plan(), DrawingConfig(sheet=sheet, scale=scale))
     found = [(a, b) for (a, p), (b, q) in itertools.combinations(boxes(composition).items(), 2) if overlapping(p, q)]

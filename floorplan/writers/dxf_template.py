@@ -1,0 +1,57 @@
+"""Title blocks as DXF templates: opening and checking an office's own, and making ours to start from."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from floorplan.errors import ConfigError
+from floorplan.writers.composition import Composition
+from floorplan.writers.layers import Layer
+from floorplan.writers.title_block import TAGS, TITLE_BLOCK
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+REQUIRED_TAGS = ("PROJECT", "DATE", "SCALE", "ACCURACY")  # a sheet without these is not one of this program's plans
+
+
+def open_template(path: str, composition: Composition) -> "Drawing":
+    """The template as a document to draw into; raises ConfigError naming everything it lacks."""
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    if not Path(path).is_file():
+        raise ConfigError(f"drawing.template = {path!r}: there is no such file")
+    try:
+        document = readfile(path)
+    except (DXFError, OSError) as error:
+        raise ConfigError(f"drawing.template = {path!r}: this is no DXF file that can be read ({error})") from error
+    lacking = template_faults(document, composition)
+    if lacking:
+        raise ConfigError(f"drawing.template = {path!r} lacks {'; '.join(lacking)}; start from templates/sheet-A3.dxf")
+    return document
+
+
+def template_faults(document: "Drawing", composition: Composition) -> tuple[str, ...]:
+    """What a template must own and does not: the title block with its attributes, and the layer it goes on."""
+    faults = []
+    layer = composition.layers[Layer.TITLE_BLOCK].name
+    if layer not in document.layers:
+        faults.append(f"the layer {layer}")
+    if TITLE_BLOCK not in document.blocks:
+        return (*faults, f"the block {TITLE_BLOCK} with the attributes {', '.join(REQUIRED_TAGS)}")
+    owned = {definition.dxf.tag for definition in document.blocks.get(TITLE_BLOCK).query("ATTDEF")}
+    missing = [tag for tag in REQUIRED_TAGS if tag not in owned]
+    if missing:
+        faults.append(f"the attributes {', '.join(missing)} in the block {TITLE_BLOCK}")
+    return tuple(faults)
+
+
+def template_bytes(composition: Composition) -> bytes:
+    """A template with our title block for the composition's sheet: what `templates/sheet-A3.dxf` was made with."""
+    from floorplan.writers.dxf_document import document_bytes, fixed_metadata, new_document
+    from floorplan.writers.dxf_sheet import add_title_block
+
+    with fixed_metadata():
+        document = new_document(composition, "R2010")
+        add_title_block(document, composition, dict.fromkeys(TAGS, ""))
+        return document_bytes(document, "")

@@ -1,0 +1,59 @@
+"""Drawing into an office's own template."""
+
+from pathlib import Path
+
+import ezdxf
+import pytest
+
+from floorplan import writers
+from floorplan.config import DrawingConfig, ProjectConfig
+from floorplan.errors import ConfigError
+from floorplan.templates_dir import templates_dir
+from tests.sample_plan import sample_plan
+
+
+def written(template: Path, path: Path) -> "ezdxf.document.Drawing":
+    drawing = DrawingConfig(template=str(template))
+    writers.write("dxf", sample_plan(), path, drawing, ProjectConfig(name="Town hall"), writers.SheetFacts("s", "2026-05-04", "x"))
+    return ezdxf.readfile(path)
+
+
+def test_the_shipped_template_is_filled(tmp_path: Path) -> None:
+    document = written(templates_dir() / "sheet-A3.dxf", tmp_path / "plan.dxf")
+    assert document.audit().errors == []
+    block = next(insert for insert in document.paperspace("Sheet").query("INSERT") if insert.dxf.name == "TITLE_BLOCK")
+    said = {attribute.dxf.tag: attribute.dxf.text for attribute in block.attribs}
+    assert said["PROJECT"] == "Town hall"
+    assert said["SCALE"] == "1:100"
+
+
+def test_an_office_title_block_keeps_its_own_shape(tmp_path: Path) -> None:
+    office = ezdxf.new("R2000")
+    office.layers.add("A-ANNO-TTLB", color=5)
+    block = office.blocks.new("TITLE_BLOCK")
+    block.add_circle((10, 10), 3)
+    for index, tag in enumerate(("PROJECT", "DATE", "SCALE", "ACCURACY", "LOGO")):
+        block.add_attdef(tag, (5, 5 * index), dxfattribs={"height": 2})
+    office.saveas(tmp_path / "office.dxf")
+    document = written(tmp_path / "office.dxf", tmp_path / "plan.dxf")
+    assert document.acad_release == "R2010"
+    assert document.layers.get("A-ANNO-TTLB").dxf.color == 5
+    assert len(document.blocks.get("TITLE_BLOCK").query("CIRCLE")) == 1
+    assert document.audit().errors == []
+
+
+def test_a_template_without_its_parts_is_refused_by_name(tmp_path: Path) -> None:
+    bare = ezdxf.new("R2010")
+    bare.saveas(tmp_path / "bare.dxf")
+    with pytest.raises(ConfigError, match=r"A-ANNO-TTLB.*TITLE_BLOCK"):
+        written(tmp_path / "bare.dxf", tmp_path / "plan.dxf")
+    bare.layers.add("A-ANNO-TTLB")
+    bare.blocks.new("TITLE_BLOCK").add_attdef("PROJECT", (0, 0))
+    bare.saveas(tmp_path / "some.dxf")
+    with pytest.raises(ConfigError, match="DATE, SCALE, ACCURACY"):
+        written(tmp_path / "some.dxf", tmp_path / "plan.dxf")
+    (tmp_path / "text.dxf").write_text("not a drawing")
+    for name in ("text.dxf", "missing.dxf"):
+        with pytest.raises(ConfigError, match=name):
+            written(tmp_path / name, tmp_path / "plan.dxf")
+    assert not (tmp_path / "plan.dxf").exists()
