@@ -48,6 +48,7 @@ class SegmentsConfig:
 
     method: Literal["normals", "vote"] = "normals"  # or "vote", the published k x k vote
     pixel_stride: int = 2  # every second row and column: costs 1 % of the coverage, no accuracy; a laser keeps all its beams
+    max_columns: int = 180  # of the grid: half a degree per column; finer images are thinned more
     window_m: float = 0.20  # neighbourhood of normals and vote: as wide as the narrowest wall piece worth drawing
     normal_sigma_deg: float = 2.5  # far away, where noise would make normals worse than this, the neighbourhood grows
     tolerance_deg: float = 5.0  # a surface further off every axis than this is outside the Manhattan model

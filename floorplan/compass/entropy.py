@@ -13,7 +13,7 @@ import numpy as np
 
 from floorplan.compass.prior import CompassPrior
 from floorplan.compiled import compiled
-from floorplan.grid.normals import pixel_weights
+from floorplan.grid.normals import NoiseScale, pixel_weights
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan
 from floorplan.readers.base import BadFrame, Source
@@ -55,7 +55,8 @@ def entropy_survey(
         progress(k + 1, len(scan.keyframe))
     measured = np.array([f.measured for f in fused], dtype=bool)
     sigma = np.where(measured, _FOUND_SIGMA_RAD, _HELD_SIGMA_RAD)
-    return CompassPrior(level_from_sensor, np.array([f.yaw_rad for f in fused]), sigma, measured, turn_rad, step_m, 1.0, final=True)
+    yaw = np.array([f.yaw_rad for f in fused])
+    return CompassPrior(level_from_sensor, yaw, sigma, measured, turn_rad, step_m, NoiseScale(), final=True)
 
 
 def _fuse(level: Array, predicted_rad: float, first: bool) -> _Fused:

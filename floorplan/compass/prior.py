@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from floorplan.grid.normals import NoiseScale
 from floorplan.model.checks import Array, freeze
 
 _TURN_STEP_RAD = math.radians(5.0)  # heading drift grows with turning: 5 degrees count like _DRIFT_STEP_M walked
@@ -23,7 +24,7 @@ class CompassPrior:
 
     `level_from_sensor (F, 3, 3)` gravity along -z, heading as the odometry has it; `yaw_rad (F,)` what to turn that by to
     reach the Manhattan frame, with `yaw_sigma_rad (F,)`; `turn_rad (F - 1,)` and `step_m (F - 1,)` odometry between
-    keyframes; `noise_scale` by how much the sensor is noisier than its model says; `final` True when the
+    keyframes; `noise` how the sensor compares with its model; `final` True when the
     yaw is the published compass's and is not to be refined.
     """
 
@@ -33,7 +34,7 @@ class CompassPrior:
     measured: Array
     turn_rad: Array
     step_m: Array
-    noise_scale: float
+    noise: NoiseScale
     final: bool = False
 
     def __post_init__(self) -> None:

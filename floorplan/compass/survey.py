@@ -13,7 +13,7 @@ from floorplan.compass.smoothing import smooth_angle
 from floorplan.config import CompassConfig
 from floorplan.errors import InputError
 from floorplan.geometry import level_from_sensor, wrap_to
-from floorplan.grid.normals import SurfaceNormals, pixel_weights, surface_normals
+from floorplan.grid.normals import NoiseScale, SurfaceNormals, pixel_weights, surface_normals
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan, SensorKind
 from floorplan.readers.base import BadFrame, Source
@@ -26,7 +26,10 @@ _MAX_SPACING_M = 0.8  # ... but never further apart than this
 _WINDOW_M = 0.35
 _NORMAL_SIGMA_RAD = math.radians(2.0)
 _NOISE_QUANTILE = 0.3  # edges only ever raise a window's residual
-_NOISE_SCALE_RANGE = (0.5, 3.0)
+_NOISE_SCALE_RANGE = (1.0, 3.0)
+_NORMAL_SCALE_RANGE = (1.0, 4.0)
+_NEAR_AXIS_RAD = math.radians(12.0)  # normals this close to the compass belong to its walls
+_SIGMA_OF_MEDIAN = 1.4826
 _REFINE_HALF_WIDTH_RAD = math.radians(4.0)
 
 
@@ -93,7 +96,7 @@ def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry
             kept.append(None)
         else:
             weight = pixel_weights(frame.points, frame.confidence)
-            normals = surface_normals(frame.points, weight, sensor, 1.0, _WINDOW_M, _NORMAL_SIGMA_RAD)
+            normals = surface_normals(frame.points, weight, sensor, NoiseScale(), _WINDOW_M, _NORMAL_SIGMA_RAD)
             ratio = (normals.residual_m / normals.noise_m)[weight > 0]
             ratio = ratio[np.isfinite(ratio)]
             if len(ratio):
@@ -114,11 +117,14 @@ def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array,
     """Refine the path frame by frame, smooth it, and carry it to the keyframes between."""
     count = len(odometry.level_from_sensor)
     reading, sigma = np.zeros(count), np.full(count, np.inf)
+    spreads: list[float] = []
     for k, near, found in zip(sample, coarse, directions, strict=True):
         estimate = refine_yaw(found, near, _REFINE_HALF_WIDTH_RAD)
         if estimate is not None:
             reading[k] = near + wrap_to(estimate.yaw_rad - near, QUARTER_RAD)
             sigma[k] = estimate.sigma_rad / max(estimate.share, 0.1)
+            spreads.append(_spread(found, estimate.yaw_rad))
+    normal_scale = float(np.clip(np.median(spreads), *_NORMAL_SCALE_RANGE)) if spreads else 1.0
     smooth = smooth_angle(reading, sigma, heading_walk(odometry.turn_rad, odometry.step_m))
     return CompassPrior(
         odometry.level_from_sensor,
@@ -127,5 +133,12 @@ def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array,
         np.isfinite(sigma),
         odometry.turn_rad,
         odometry.step_m,
-        noise_scale,
+        NoiseScale(noise_scale, normal_scale),
     )
+
+
+def _spread(directions: Directions, yaw_rad: float) -> float:
+    """How widely the normals of walls spread, in the standard deviations that independent pixels would give."""
+    off = np.abs(wrap_to(directions.azimuth_rad - yaw_rad, QUARTER_RAD))
+    near = off < _NEAR_AXIS_RAD
+    return float(_SIGMA_OF_MEDIAN * np.median(off[near] * np.sqrt(directions.weight[near])))

@@ -15,11 +15,20 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Sensor
 
 _CHANNELS = 11  # weight, six of r r^T, three of r / rho, 1 / rho^2
-_MAX_HALF_WINDOW_PX = 12  # beyond this a window bridges corners
+_MAX_WINDOW_M = 0.8  # beyond this a window bridges corners
+_MAX_HALF_WINDOW_PX = 24  # ... and a close surface needs no more pixels than this
 _RIDGE = 1e-9  # of the trace: decides the direction a level sweep cannot see
 _MIN_FILL = 0.6  # share of a window that must have returned
 _MIN_COS_INCIDENCE = 0.06  # 86.5 degrees: beyond, one pixel's footprint is longer than the window
 _CONFIDENCE_WEIGHT = np.array([0.0, 0.3, 1.0], dtype=np.float32)  # phones: none / medium / high
+
+
+@dataclass(frozen=True)
+class NoiseScale:
+    """By how much readings (`pixel`) and normals (`normal`) are noisier than the sensor's model with independent pixels says."""
+
+    pixel: float = 1.0
+    normal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -45,12 +54,12 @@ def pixel_weights(points: Array, confidence: Array | None) -> Array:
 
 
 def surface_normals(
-    points: Array, weight: Array, sensor: Sensor, noise_scale: float, window_m: float, normal_sigma_rad: float
+    points: Array, weight: Array, sensor: Sensor, noise: NoiseScale, window_m: float, normal_sigma_rad: float
 ) -> SurfaceNormals:
     """Normals of `points (H, W, 3)`: windows of `window_m`, larger where noise would make the normal worse than `normal_sigma_rad`."""
     ray_step = sensor.ray_step_rad * (sensor.width / points.shape[1])
-    noise = np.array((sensor.noise.constant_m, sensor.noise.linear, sensor.noise.quadratic_per_m)) * noise_scale
-    fields = _fit_windows(np.ascontiguousarray(points), weight, noise, ray_step, window_m, normal_sigma_rad)
+    model = np.array((sensor.noise.constant_m, sensor.noise.linear, sensor.noise.quadratic_per_m)) * noise.pixel
+    fields = _fit_windows(np.ascontiguousarray(points), weight, model, ray_step, window_m, normal_sigma_rad, noise.normal)
     return SurfaceNormals(*fields, weight)
 
 
@@ -91,7 +100,8 @@ def _half_window_px(range_m: float, sigma_m: float, ray_step: float, window_m: f
     # sigma / (spread sqrt(count)) = normal_sigma with spread = pixel half / sqrt(3): count 2 half + 1 or its square.
     need = math.sqrt(3.0) * sigma_m / (normal_sigma * pixel_m)
     sure = (0.5 * need * need) ** (1.0 / 3.0) if flat else 0.25 * (math.sqrt(1.0 + 8.0 * need) - 1.0)
-    return min(max(metric, math.ceil(sure), 2 if flat else 1), _MAX_HALF_WINDOW_PX)
+    largest = min(int(0.5 * _MAX_WINDOW_M / pixel_m + 0.5), _MAX_HALF_WINDOW_PX)
+    return max(min(max(metric, math.ceil(sure)), largest), 2 if flat else 1)
 
 
 @compiled
@@ -118,7 +128,7 @@ def _solve_plane(s: Array, g: Array) -> bool:
 
 @compiled
 def _fit_windows(
-    points: Array, weight: Array, noise: Array, ray_step: float, window_m: float, normal_sigma: float
+    points: Array, weight: Array, noise: Array, ray_step: float, window_m: float, normal_sigma: float, normal_scale: float
 ) -> tuple[Array, Array, Array, Array, Array]:
     height, width, _ = points.shape
     table = _ray_tables(points, weight)
@@ -137,7 +147,7 @@ def _fit_windows(
             rho = math.sqrt(x * x + y * y + z * z)
             sigma_m = noise[0] + noise[1] * rho + noise[2] * rho * rho
             expected[i, j] = sigma_m
-            half = _half_window_px(rho, sigma_m, ray_step, window_m, normal_sigma, flat)
+            half = _half_window_px(rho, sigma_m * normal_scale, ray_step, window_m, normal_sigma, flat)
             top, bottom = max(i - half, 0), min(i + half + 1, height)
             left, right = max(j - half, 0), min(j + half + 1, width)
             for k in range(_CHANNELS):
@@ -152,7 +162,7 @@ def _fit_windows(
             fitted[i, j] = 1.0 / along
             residual[i, j] = math.sqrt(max(square, 0.0) / s[0]) * rho * rho
             spread_m = rho * ray_step * math.sqrt((half * half + half) / 3.0)
-            sigma[i, j] = sigma_m / (spread_m * math.sqrt(s[0]))
+            sigma[i, j] = normal_scale * sigma_m / (spread_m * math.sqrt(s[0]))
             for k in range(3):
                 normal[i, j, k] = -g[k] / size
     return normal, fitted, sigma, residual, expected

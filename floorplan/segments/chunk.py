@@ -1,5 +1,6 @@
 """A chunk of keyframes to layout segments; chunks know nothing of each other."""
 
+import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -16,8 +17,8 @@ from floorplan.segments.values import SegmentedChunk, SegmentedFrame
 
 
 def grid_stride(sensor: Sensor, config: SegmentsConfig) -> int:
-    """The stride to read frames with: a sweep keeps all its beams."""
-    return config.pixel_stride if sensor.height > 1 else 1
+    """The stride to read frames with: no grid wider than `max_columns`; a sweep keeps all its beams."""
+    return max(config.pixel_stride, math.ceil(sensor.width / config.max_columns)) if sensor.height > 1 else 1
 
 
 def segment_chunk(

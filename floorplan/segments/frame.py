@@ -56,7 +56,7 @@ def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor,
     points = np.ascontiguousarray(frame.points)
     look = _look(points, sensor)
     weight = pixel_weights(points, frame.confidence)
-    normals = surface_normals(points, weight, sensor, prior.noise_scale, config.window_m, math.radians(config.normal_sigma_deg))
+    normals = surface_normals(points, weight, sensor, prior.noise, config.window_m, math.radians(config.normal_sigma_deg))
     rotation = _frame_rotation(normals, prior, index)
     labels = _labels(points, normals, look, rotation.world_from_sensor, config)
     least = _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
