@@ -16,7 +16,7 @@ ADVICE = "Try merge.engine = 'reduced', or a smaller merge.radius_m (fewer hypot
 
 
 @dataclass(frozen=True)
-class _Matrices:
+class VerbatimMatrices:
     """`A`, `b`, `E`, `D` of METHOD.md over `xi` = per axis p_1 .. p_{N-1}, then that axis' planes.
 
     `track_column (M,)` and `frame_column (N, 3)` (-1 at the gauge) say where each unknown is; rows of `D` are the graph's measurements.
@@ -34,7 +34,7 @@ def solve_verbatim(problem: PaperProblem) -> PaperAnswer:
     """Clarabel's answer to the published problem, unchecked. Raises NoSolutionError when it gives none."""
     import cvxpy
 
-    matrices = _matrices(problem)
+    matrices = verbatim_matrices(problem)
     xi = cvxpy.Variable(matrices.a.shape[1])
     gap = cvxpy.Variable(matrices.e.shape[0])
     same = gap == matrices.e @ xi  # a name for `E xi`, so that its dual `y` can be read
@@ -54,13 +54,14 @@ def solve_verbatim(problem: PaperProblem) -> PaperAnswer:
     return _answer(matrices, np.asarray(xi.value), same.dual_value, signs.dual_value)
 
 
-def _answer(matrices: _Matrices, xi: Array, same_dual: Any, sign_dual: Any) -> PaperAnswer:
+def _answer(matrices: VerbatimMatrices, xi: Array, same_dual: Any, sign_dual: Any) -> PaperAnswer:
     position = np.where(matrices.frame_column >= 0, xi[matrices.frame_column], 0.0)
     # cvxpy's Lagrangian is ||gap||_1 + dual^T (gap - E xi), so y, the pull of E, is minus the dual of `same`.
     return PaperAnswer(position, xi[matrices.track_column], -np.asarray(same_dual), np.asarray(sign_dual))
 
 
-def _matrices(problem: PaperProblem) -> _Matrices:
+def verbatim_matrices(problem: PaperProblem) -> VerbatimMatrices:
+    """`A`, `b`, `E`, `D` of a problem, verbatim."""
     graph, pairs = problem.graph, problem.pairs
     blocks, right, start = [], [], 0
     track_column = np.zeros(len(graph.axis), dtype=np.int64)
@@ -75,7 +76,7 @@ def _matrices(problem: PaperProblem) -> _Matrices:
     e = _difference_rows(track_column[pairs.first], track_column[pairs.second], np.ones(len(pairs)), start)
     sensor = frame_column[graph.frame, graph.axis[graph.track]]
     d = _difference_rows(track_column[graph.track], sensor, graph.facing[graph.track].astype(np.float64), start)
-    return _Matrices(sparse.csr_array(sparse.block_diag(blocks)), np.concatenate(right), e, d, track_column, frame_column)
+    return VerbatimMatrices(sparse.csr_array(sparse.block_diag(blocks)), np.concatenate(right), e, d, track_column, frame_column)
 
 
 def _difference_rows(plus: Array, minus: Array, scale: Array, columns: int) -> sparse.csr_array:
