@@ -12,7 +12,7 @@ from floorplan.writers.dxf_blocks import OPENING_BLOCKS, STAMP_BLOCK, WIDTH_TAG,
 from floorplan.writers.dxf_dimensions import add_dimension_style, add_dimensions
 from floorplan.writers.dxf_document import APPLICATION, model_per_mm
 from floorplan.writers.layers import Layer
-from floorplan.writers.plan_scene import line_note
+from floorplan.writers.plan_scene import line_notes
 from floorplan.writers.scene import Label
 from floorplan.writers.stamp_layout import PlacedStamp
 
@@ -96,10 +96,10 @@ def _draw_walls(space: ModelSpace) -> None:
             space.line(Layer.WALL_INFERRED, line, wall.id)
     for free in plan.free_lines:
         space.line(Layer.WALL, (free.start, free.end), free.id)
-        _draw_note(space, line_note(space.composition, free, f"{free.id}  {free.off_axis_deg:.1f}° off axis"))
     for glazing in plan.glazing:
         space.line(Layer.GLAZING, (glazing.start, glazing.end), glazing.id)
-        _draw_note(space, line_note(space.composition, glazing, "glazing"))
+    for note in line_notes(space.composition):
+        _draw_note(space, note)
     for column in plan.columns:
         space.line(Layer.COLUMN, column.outline, column.id, closed=True)
 

@@ -13,6 +13,7 @@ from floorplan.writers.layers import DASHED, PATH_DASH_MM, Layer
 from floorplan.writers.scene import Align, Fill, Item, Label, Scene, Stroke
 from floorplan.writers.sheet_scene import frame_items, note_items, schedule_items, symbol_items, value_items
 from floorplan.writers.stamp_layout import PlacedStamp
+from floorplan.writers.text_size import text_width
 
 EXTENSION_GAP_MM = 0.8  # between the face and its extension line
 EXTENSION_OVER_MM = 1.0  # beyond the dimension line
@@ -68,11 +69,17 @@ def _lines(composition: Composition) -> list[Item]:
     items += [Stroke(Layer.COLUMN, _on_paper(composition, column.outline), closed=True) for column in plan.columns]
     for line in plan.free_lines:
         items.append(_stroke(composition, Layer.WALL, (line.start, line.end)))
-        items.append(line_note(composition, line, f"{line.id}  {line.off_axis_deg:.1f}° off axis"))
     for glazing in plan.glazing:
         items.append(_stroke(composition, Layer.GLAZING, (glazing.start, glazing.end)))
-        items.append(line_note(composition, glazing, "glazing"))
-    return items
+    return [*items, *line_notes(composition)]
+
+
+def line_notes(composition: Composition) -> list[Label]:
+    """Words along free lines and glazing, where the line is long enough on paper to carry them."""
+    plan = composition.plan
+    worded = [_line_note(composition, line, f"{line.id}  {line.off_axis_deg:.1f}° off axis") for line in plan.free_lines]
+    worded += [_line_note(composition, pane, "glazing") for pane in plan.glazing]
+    return [label for label in worded if label is not None]
 
 
 def _on_paper(composition: Composition, points: tuple[Point, ...]) -> tuple[Point, ...]:
@@ -85,9 +92,11 @@ def _stroke(composition: Composition, layer: Layer, points: tuple[Point, ...]) -
     return Stroke(layer, _on_paper(composition, points[:-1] if closed else points), closed, dash_mm=dash)
 
 
-def line_note(composition: Composition, line: FreeLine | Glazing, text: str) -> Label:
-    """Words along a line, on its left when read from its lower end, never upside down."""
+def _line_note(composition: Composition, line: FreeLine | Glazing, text: str) -> Label | None:
+    """Words along a line, never upside down; None where the line is shorter than its words."""
     a, b = composition.paper(line.start), composition.paper(line.end)
+    if math.dist(a, b) < text_width(text, LINE_NOTE_MM):
+        return None
     if (b[0], b[1]) < (a[0], a[1]):
         a, b = b, a
     angle = math.atan2(b[1] - a[1], b[0] - a[0])

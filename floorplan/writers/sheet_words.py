@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 
-from floorplan.model.plan import OpeningKind, Plan
+from floorplan.model.plan import FreeLine, OpeningKind, Plan
 from floorplan.writers.composition import Composition
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.unit_style import NORMAL_95, SQUARE_METRES_PER_SQUARE_FOOT, UnitStyle, length_text
 
+FREE_LINES_ONE_BY_ONE = 3  # more than this share one note
 SCHEDULE_HEADINGS = ("No.", "Name", "Area", "±", "Height")
 
 
@@ -47,6 +48,22 @@ def area_unit(units: UnitStyle) -> str:
     return "m²" if units.metric else "sq ft"
 
 
+def _free_line_notes(lines: tuple[FreeLine, ...]) -> list[str]:
+    """One note per line off the axes, or one for all of them when they are many (a round hall is a chain of them)."""
+    if len(lines) <= FREE_LINES_ONE_BY_ONE:
+        return [
+            f"Line {line.id} stands {line.off_axis_deg:.1f}° off the axes, outside the Manhattan model; "
+            f"it is drawn as fitted (±{NORMAL_95 * line.sigma_m * 1000:.0f} mm)."
+            for line in lines
+        ]
+    angles = [line.off_axis_deg for line in lines]
+    worst = NORMAL_95 * max(line.sigma_m for line in lines) * 1000
+    return [
+        f"{len(lines)} lines ({lines[0].id} to {lines[-1].id}) stand {min(angles):.0f}° to {max(angles):.0f}° off the axes, "
+        f"outside the Manhattan model; they are drawn as fitted (±{worst:.0f} mm or better)."
+    ]
+
+
 def notes(composition: Composition, facts: SheetFacts) -> tuple[str, ...]:
     """Numbered notes: how to read the drawing, what is outside the model, what could not be seen."""
     plan = composition.plan
@@ -55,11 +72,7 @@ def notes(composition: Composition, facts: SheetFacts) -> tuple[str, ...]:
         said.append("Solid lines were seen; dashed lines are inferred.")
     if any(opening.kind == OpeningKind.DOOR for opening in plan.openings):
         said.append("Door swings are symbols: hinge and side were not surveyed.")
-    said += [
-        f"Line {line.id} stands {line.off_axis_deg:.1f}° off the axes, outside the Manhattan model; "
-        f"it is drawn as fitted (±{NORMAL_95 * line.sigma_m * 1000:.0f} mm)."
-        for line in plan.free_lines
-    ]
+    said += _free_line_notes(plan.free_lines)
     if plan.glazing:
         said.append("Glazing is where rays went through between mullions; the glass itself is not measured.")
     partial = [room.id for room in plan.rooms if room.partial]

@@ -38,7 +38,7 @@ def feet_and_inches(length_m: float) -> str:
     eighths = round(length_m / METRES_PER_FOOT * INCHES_PER_FOOT / INCH_STEP)
     sign, eighths = ("-", -eighths) if eighths < 0 else ("", eighths)
     feet, rest = divmod(Fraction(eighths) * INCH_STEP, INCHES_PER_FOOT)
-    return f"{sign}{feet}'-{_inches(rest)}"
+    return f"{sign}{feet}'-{'0 ' if 0 < rest < 1 else ''}{_inches(rest)}"
 
 
 def _inches(inches: Fraction) -> str:
