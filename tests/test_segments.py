@@ -9,7 +9,7 @@ import pytest
 from floorplan.compass import CompassPrior, survey
 from floorplan.config import CompassConfig, SegmentsConfig, TrackingConfig
 from floorplan.model.segment import SegmentedScan
-from floorplan.segments import grid_stride, join, segment_chunk
+from floorplan.segments import frame_picture, grid_stride, join, segment_chunk, segment_frame
 from floorplan.tracking import dead_reckoning, track
 from tests.box_room import ROOM_M, BoxScan, camera_scan, laser_scan, yaw_error_rad
 
@@ -135,3 +135,15 @@ def test_evidence_points_lie_on_the_segments_they_name() -> None:
     world = np.einsum("pij,pj->pi", segmented.frames.world_from_sensor[frame[on]], evidence.point_sensor_m[on].astype(float))
     off = world[np.arange(len(world)), segments.axis[evidence.segment[on]]] - segments.distance_m[evidence.segment[on]]
     assert np.abs(off).max() < 0.06
+
+
+def test_the_picture_of_a_frame_shows_the_axes_in_the_papers_colours() -> None:
+    box, prior, _ = _camera()
+    frame = next(iter(box.frames([0])))
+    segmented = segment_frame(frame, 0, prior, box.recording.sensor, SegmentsConfig())
+    picture = frame_picture(frame.points, segmented)
+    height, width = frame.points.shape[:2]
+    assert picture.shape == (height, 2 * width, 3)
+    colours = {tuple(int(c) for c in colour) for colour in picture[:, width:].reshape(-1, 3)}
+    assert {(255, 0, 0), (0, 255, 0), (0, 0, 255)} <= colours
+    assert (picture[:, width:][segmented.labels // 2 == 2] != (255, 0, 0)).any(axis=1).all()
