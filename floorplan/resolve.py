@@ -58,8 +58,8 @@ def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> L
 
 def _solve_axis(plane_graph: LayoutGraph, axis: int) -> _AxisPlanes:
     rows, plane = axis_rows(plane_graph, axis), split(plane_graph, axis).track
-    solution = solve_with_signs(rows, plane_graph.facing[plane])
-    cofactor = reduce_axis(rows).covariance()
+    reduced = reduce_axis(rows)
+    solution, cofactor = solve_with_signs(reduced, plane_graph.facing[plane]), reduced.covariance()
     freedom = len(rows.frame) - rows.planes
     return _AxisPlanes(plane, solution.offset_m, solution.position_m, cofactor, squared_residual(rows, solution), freedom)
 

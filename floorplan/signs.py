@@ -24,7 +24,7 @@ def least_squares_with_signs(graph: LayoutGraph) -> LeastSquaresSolution:
     position, offset = np.zeros((len(graph.stamp_s), 3)), np.zeros(len(graph.axis))
     for axis in AXES:
         track = split(graph, axis).track
-        solution = solve_with_signs(axis_rows(graph, axis), graph.facing[track])
+        solution = solve_with_signs(reduce_axis(axis_rows(graph, axis)), graph.facing[track])
         position[:, axis], offset[track] = solution.position_m, solution.offset_m
     return LeastSquaresSolution(position, offset, residual_norm(graph, position, offset))
 
@@ -34,12 +34,12 @@ def sign_excess_m(rows: AxisRows, facing: Array, solution: AxisSolution) -> Arra
     return np.asarray(facing[rows.plane] * (solution.offset_m[rows.plane] - solution.position_m[rows.frame]))
 
 
-def solve_with_signs(rows: AxisRows, facing: Array) -> AxisSolution:
-    """Least squares along one axis subject to the sign rows; `facing (V,)` of its planes.
+def solve_with_signs(reduced: ReducedAxis, facing: Array) -> AxisSolution:
+    """Least squares along one axis (no frame kept) subject to the sign rows; `facing (V,)` of its planes.
 
     Always feasible (all at 0 satisfies every sign). Raises NoSolutionError when the active set does not settle.
     """
-    reduced = reduce_axis(rows)
+    rows = reduced.rows
     free = reduced.solve(right_hand_side(rows))
     solution, active = free, np.zeros(0, dtype=np.int64)
     for _ in range(MAX_ROUNDS):
