@@ -1,0 +1,89 @@
+"""`floorplan check`."""
+
+import csv
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from floorplan.cli import options as o
+from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.errors import InputError
+
+if TYPE_CHECKING:
+    from floorplan.laser.compare import Check
+
+HEADER = ("id", "measured", "plan", "difference", "%", "95 %", "level", "room")
+
+
+def check(
+    work: o.Work,
+    laser: Annotated[Path, typer.Argument(metavar="LASER.csv", help="The measured distances.", show_default=False)],
+    tolerance: Annotated[
+        str | None, typer.Option("--tolerance", metavar="15mm|1%", help="Exit with 5 when a distance is off by more.")
+    ] = None,
+    csv_file: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the table as CSV.")] = None,
+    as_json: o.AsJson = False,
+    quiet: o.Quiet = False,
+) -> None:
+    """Plan distances against measured ones: table, mean error, level of accuracy; the exit code tells."""
+    from floorplan.laser.compare import check_plan
+    from floorplan.laser.table import read_laser
+    from floorplan.laser.tolerance import enforce, parse_tolerance
+    from floorplan.plan_file import read_plan
+
+    bound = None if tolerance is None else parse_tolerance(tolerance)
+    result = check_plan(read_plan(work), read_laser(laser))
+    reporter = ConsoleReporter(quiet)
+    for row in result.bad:
+        reporter.message(f"not compared: {row.text}")
+    if csv_file is not None:
+        write_check_csv(result, csv_file)
+    if as_json:
+        echo_json(asdict(result))
+    else:
+        print_check(result)
+    if not result.rows:
+        raise InputError(f"{laser}: none of its {len(result.bad) + result.empty} rows can be compared with the plan")
+    if bound is not None:
+        enforce(result, bound)
+
+
+def print_check(result: "Check") -> None:
+    """The table, then the verdict."""
+    rows = [
+        (
+            row.id,
+            f"{row.measured_m:.3f} m",
+            f"{row.plan_m:.3f} m +-{1.96 * row.sigma_m:.3f}",
+            f"{1000 * row.difference_m:+.0f} mm",
+            f"{row.percent:+.2f}",
+            "within" if row.within else "OUTSIDE",
+            row.level,
+            row.room,
+        )
+        for row in result.rows
+    ]
+    if rows:
+        echo_table([HEADER, *rows])
+    if result.mean_m is None or result.worst_m is None or result.share_within is None:
+        return
+    echo()
+    left_out = f", {len(result.bad)} rows could not be compared" if result.bad else ""
+    echo(f"{len(rows)} distances{left_out}")
+    echo(f"mean error {result.mean_percent:.2f} % ({1000 * result.mean_m:.1f} mm), all of them together {result.bias_percent:+.2f} %")
+    echo(f"worst error {result.worst_percent:.2f} % ({1000 * result.worst_m:.1f} mm)")
+    echo(f"{100 * result.share_within:.0f} % inside the 95 % interval")
+    echo(f"level of accuracy at 95 % (USIBD): {result.level}")
+
+
+def write_check_csv(result: "Check", path: Path) -> None:
+    """The rows as CSV. Raises InputError where the file cannot be written."""
+    try:
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.DictWriter(stream, [f.name for f in fields(result.rows[0])] if result.rows else ["id"], lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(asdict(row) for row in result.rows)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); name a file in a folder that exists") from error

@@ -1,0 +1,1 @@
+"""Distances measured by hand: reading their table, finding them in a plan, comparing."""

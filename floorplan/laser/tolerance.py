@@ -1,0 +1,38 @@
+"""`--tolerance`: what a checked distance may be off by."""
+
+import re
+from dataclasses import dataclass
+
+from floorplan.errors import CheckFailedError, UsageError
+from floorplan.laser.compare import Check
+
+LENGTHS_M = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001}
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A length in metres, or a share of the measured distance in per cent; `text` as it was given."""
+
+    value: float
+    relative: bool
+    text: str
+
+
+def parse_tolerance(text: str) -> Tolerance:
+    """`15mm`, `0.015` (metres) or `1%`. Raises UsageError for anything else."""
+    found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(%|[a-z]*)", text.strip().lower().replace(",", "."))
+    if found is None or (found[2] != "%" and found[2] not in LENGTHS_M):
+        raise UsageError(f"--tolerance {text}: give a length like 15mm or 0.015 (metres), or a percentage like 1%")
+    relative = found[2] == "%"
+    return Tolerance(float(found[1]) * (1.0 if relative else LENGTHS_M[found[2]]), relative, text.strip())
+
+
+def enforce(check: Check, tolerance: Tolerance) -> None:
+    """Raise CheckFailedError when a compared distance is off by more."""
+    beyond = [row for row in check.rows if (abs(row.percent) if tolerance.relative else abs(row.difference_m)) > tolerance.value]
+    if beyond:
+        worst = max(beyond, key=lambda row: abs(row.percent) if tolerance.relative else abs(row.difference_m))
+        raise CheckFailedError(
+            f"{len(beyond)} of {len(check.rows)} distances are off by more than {tolerance.text}; the worst is {worst.id}, "
+            f"{1000 * worst.difference_m:+.0f} mm ({worst.percent:+.2f} %); measure it again, then look at 'floorplan merges' or rescan"
+        )
