@@ -2,6 +2,7 @@
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ _MAY_BE_NAN = ("extent",)
 
 def save_graph(graph: LayoutGraph, path: Path) -> None:
     """Write `graph` to `path`."""
-    arrays = {
+    arrays: dict[str, Any] = {
         "stamp": graph.stamp_s,
         "translation": graph.translation_m,
         "frame": graph.frame,
