@@ -7,7 +7,7 @@ over the planes, `B` sparse. Eliminating `x` leaves `S m = c - B^T T^-1 h` with 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, lapack
+from scipy.linalg import cho_factor, cho_solve, cholesky, lapack, solve_triangular
 
 from floorplan import chain_kernels
 from floorplan.errors import NoSolutionError
@@ -104,8 +104,13 @@ def eliminate(chain: Chain, rows: Rows, planes: int, forgotten: float = ROUNDING
 
 def solve_planes(reduced: Reduced) -> tuple[Array, Array]:
     """Least squares values (M+G,) of the columns and their covariance (M+G, M+G)."""
-    factor = cho_factor(reduced.information, lower=True)
-    return cho_solve(factor, reduced.rhs), inverse_from_cholesky(factor[0])
+    factor = cho_factor(reduced.information, lower=True, check_finite=False)
+    return cho_solve(factor, reduced.rhs, check_finite=False), inverse_from_cholesky(factor[0])
+
+
+def solve_offsets(reduced: Reduced) -> Array:
+    """Least squares values (M+G,) of the columns alone."""
+    return np.asarray(cho_solve(cho_factor(reduced.information, lower=True, check_finite=False), reduced.rhs, check_finite=False))
 
 
 def inverse_from_cholesky(lower: Array) -> Array:
@@ -129,8 +134,8 @@ def back_substitute(reduced: Reduced, columns: Array) -> Array:
 
 def log_marginal_likelihood(reduced: Reduced) -> float:
     """Log density of all rows with states and planes integrated out (flat prior on the planes), less a constant."""
-    factor = np.linalg.cholesky(reduced.information)
-    solved = np.linalg.solve(factor, reduced.rhs)
+    factor = cholesky(reduced.information, lower=True, check_finite=False)
+    solved = solve_triangular(factor, reduced.rhs, lower=True, check_finite=False)
     cost = reduced.constant - float(solved @ solved)
     log_det = reduced.factored.log_det + 2 * float(np.log(np.diag(factor)).sum())
     return 0.5 * (reduced.log_weight - log_det - cost)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from floorplan.chain import solve_planes
+from floorplan.chain import solve_offsets
 from floorplan.drift_likelihood import most_likely, vertical_within_bounds, within_bounds
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
@@ -106,7 +106,7 @@ def _residuals(graph: LayoutGraph, noise: ScanNoise, pieces: list[Window]) -> Ar
             if not np.isin(g.axis, axes).any():
                 continue
             system = build_system(g, windowed(noise, window), axes)
-            columns, _ = solve_planes(system.reduced)
+            columns = solve_offsets(system.reduced)
             place, offset = positions(system, columns), np.zeros(len(g.axis))
             offset[system.tracks] = columns[: len(system.tracks)]
             mine = np.nonzero(np.isin(g.axis[g.track], axes))[0]

@@ -91,7 +91,7 @@ class _Work:
         if margin is None:
             return -1
         options = [h, *(int(k) for k in found[:count])]
-        concerned = self._concerned(options)
+        concerned = self._concerned(h)
         futures = [self._future(k, concerned) for k in options]
         best = int(np.argmax(futures))
         against = [f for k, f in zip(options, futures, strict=True) if k != options[best] and self._excludes(options[best], k)]
@@ -147,11 +147,10 @@ class _Work:
         kernels.column(self.P, self.U, self.pending, self.first[h], self.second[h], self.cov)
         return self.cov / sigma, float(self.delta[h] / sigma)
 
-    def _concerned(self, options: list[int]) -> Array:
-        """Mask of the live pairs that any of the options would make clearly better known: the futures are compared by these alone."""
+    def _concerned(self, h: int) -> Array:
+        """Mask of the live pairs that merging `h` would make clearly better known: futures are compared by these alone."""
         concerned = np.zeros(self.live, dtype=np.bool_)
-        for h in options:
-            kernels.mark_concerned(self.first, self.second, self.var, self.live, self._unit(h)[0], concerned)
+        kernels.mark_concerned(self.first, self.second, self.var, self.live, self._unit(h)[0], concerned)
         return concerned
 
     def _future(self, h: int, concerned: Array) -> float:

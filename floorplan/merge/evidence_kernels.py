@@ -10,7 +10,7 @@ from numba import njit
 from floorplan.model.checks import Array
 
 SAME_M2 = 1e-10  # (0.01 mm)^2: a pair whose distance is this certain has been made one by other merges
-CONCERNED = 0.5  # a pair whose variance falls below this part of what it was depends on the choice at hand
+CONCERNED = 0.25  # a pair whose variance falls below this part of what it was is settled by the choice at hand
 APART, DEFERRED = 1, 2  # bits of `barred`: seen apart in one frame; put off until something else is decided
 LOG_TWO_PI = np.log(2 * np.pi)
 
@@ -73,7 +73,7 @@ def rivals(
             continue
         part = unit[first[h]] - unit[second[h]]
         then = var[h] - part * part
-        if then < SAME_M2 or score(delta[h] - part * pull, then, log_prior[h]) > 0.0:
+        if then < SAME_M2 or then > CONCERNED * var[h] or score(delta[h] - part * pull, then, log_prior[h]) > 0.0:
             continue
         place = used
         while place > 0 and strength[place - 1] < now:
@@ -93,8 +93,11 @@ def roll_out(
 ) -> float:
     """Summed score of merging `chosen` and then greedily up to `depth` more `concerned` pairs: the log evidence of that future.
 
+    A pair counts only once this future has made it better known: a leap at another open question would drown the comparison.
+
     `U` must have room for depth + 1 more rows; what is written there is not meant to stay.
     """
+    before = var
     delta, var = delta[:count].copy(), var[:count].copy()
     cov, total, h = np.empty(P.shape[0]), 0.0, chosen
     for step in range(depth + 1):
@@ -104,7 +107,7 @@ def roll_out(
         for i in range(cov.shape[0]):
             U[r + step, i] = cov[i] / sigma
         condition(first, second, delta, var, count, U[r + step], delta[h] / sigma)
-        h = _best_concerned(delta, var, log_prior, barred, concerned, count)
+        h = _best_concerned(delta, var, before, log_prior, barred, concerned, count)
         if h < 0:
             break
     return total
@@ -120,10 +123,10 @@ def mark_concerned(first: Array, second: Array, var: Array, count: int, unit: Ar
 
 
 @njit(cache=True)
-def _best_concerned(delta: Array, var: Array, log_prior: Array, barred: Array, concerned: Array, count: int) -> int:
+def _best_concerned(delta: Array, var: Array, before: Array, log_prior: Array, barred: Array, concerned: Array, count: int) -> int:
     best, found = 0.0, -1
     for h in range(count):
-        if not concerned[h] or barred[h] & APART or var[h] < SAME_M2:
+        if not concerned[h] or barred[h] & APART or var[h] < SAME_M2 or var[h] > CONCERNED * before[h]:
             continue
         value = score(delta[h], var[h], log_prior[h])
         if value > best:
