@@ -1,6 +1,6 @@
 """Walls off the axes: upright patches of many frames merged to straight lines outside the Manhattan model."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ SAME_GAP_M = 0.5  # along the line, between patches of one surface
 MIN_OFF_AXIS_RAD = np.deg2rad(4.0)  # nearer to an axis it is a layout plane's business
 MAX_FRAME_ERROR_DEG = 15.0  # no frame's rotation is farther off than this
 DOUBLE_M, DOUBLE_SHARE, DOUBLE_SAMPLES = 0.30, 0.5, 21  # beside a face: nearer than a wall's thickness over half the length
+CROSSING_M = 0.15  # two walls overrun each other by less than this where they meet
 LEAF_TOP_M = 2.15  # a door leaf ends below this
 
 
@@ -55,11 +56,13 @@ def free_lines(patches: FreePatches, world: PlanWorld, faces: tuple[FaceRun, ...
     lines = [_line(cluster, table, world.heights) for cluster in clusters if _is_wall(cluster, table, world.heights, config)]
     lines = [line for line in lines if np.deg2rad(line.off_axis_deg) >= MIN_OFF_AXIS_RAD and not _doubles_a_face(line, faces)]
     ordered = sorted(lines, key=lambda line: (line.start, line.end))
-    return tuple(FreeLine(f"L{k + 1}", *_fields(line)) for k, line in enumerate(ordered))
+    return tuple(replace(line, id=f"L{k + 1}") for k, line in enumerate(ordered))
 
 
 def _doubles_a_face(line: FreeLine, faces: tuple[FaceRun, ...]) -> bool:
-    """Whether a line runs beside a drawn face for most of its length: the same wall, from frames whose rotation was wrong."""
+    """Whether a line crosses a drawn face, or runs beside one for most of its length from frames whose rotation was wrong."""
+    if _crosses(line, faces):
+        return True
     if line.off_axis_deg > MAX_FRAME_ERROR_DEG:
         return False
     points = np.linspace(line.start, line.end, DOUBLE_SAMPLES)
@@ -71,8 +74,19 @@ def _doubles_a_face(line: FreeLine, faces: tuple[FaceRun, ...]) -> bool:
     return bool(beside.mean() > DOUBLE_SHARE)
 
 
-def _fields(line: FreeLine) -> tuple[object, ...]:
-    return (line.start, line.end, line.sigma_m, line.off_axis_deg, line.low_m, line.high_m)
+def _crosses(line: FreeLine, faces: tuple[FaceRun, ...]) -> bool:
+    """Whether a line goes through a face well inside both: walls end at each other."""
+    (x0, y0), (x1, y1) = line.start, line.end
+    length = float(np.hypot(x1 - x0, y1 - y0))
+    for face in faces:
+        a, b = (x0, x1) if face.axis == 0 else (y0, y1)
+        if a == b or not 0 < (share := (face.offset_m - a) / (b - a)) < 1:
+            continue
+        along = (y0 + share * (y1 - y0)) if face.axis == 0 else (x0 + share * (x1 - x0))
+        inside = min(share, 1 - share) * length > CROSSING_M
+        if inside and face.start_m + CROSSING_M < along < face.end_m - CROSSING_M:
+            return True
+    return False
 
 
 def _in_plan_frame(patches: FreePatches, world: PlanWorld) -> _Patches:

@@ -16,6 +16,7 @@ HEAD_ROOM_M = 1.7  # a lintel begins no lower than this
 SILL_MAX_M = 1.3  # a window's sill ends no higher than this, a standing person looks out
 SILL_MIN_M = 0.3  # lower is a threshold or a step
 SILL_SHARE = 0.6  # share of a gap's columns that must be wall below the sill
+LOW_M = 0.8  # a door is open below this; a window is not
 SILL_CLEAR_M = 0.15  # thresholds and skirting are no sill
 
 
@@ -24,7 +25,8 @@ class Gap:
     """A gap along face `face` from `start_m` to `end_m`; `after` the run at its other end, or None for a crossing wall.
 
     `passed` share of its columns that rays went through at wall height; `lintel` whether it is hit above, None where
-    nothing was seen there; `head_m`, `sill_m` heights of its upper and lower edge where seen.
+    nothing was seen there; `head_m`, `sill_m` heights of its upper and lower edge where seen; `low_open` whether rays
+    went through near the floor, None where nothing was seen there.
     """
 
     face: int
@@ -35,6 +37,7 @@ class Gap:
     lintel: bool | None
     head_m: float | None
     sill_m: float | None
+    low_open: bool | None = None
 
     @property
     def width_m(self) -> float:
@@ -104,7 +107,7 @@ def _gap(face: int, after: int | None, start: float, end: float, evidence: Plane
     low, high = evidence.row(config.wall_band_low_m), evidence.row(config.wall_band_high_m)
     passed = float((passes[:, low:high].sum(axis=1) > hits[:, low:high].sum(axis=1)).mean())
     lintel, head = _lintel(hits, passes, evidence)
-    return Gap(face, after, start, end, passed, lintel, head, _sill_m(hits, passes, evidence))
+    return Gap(face, after, start, end, passed, lintel, head, _sill_m(hits, passes, evidence), _low_open(hits, passes, evidence))
 
 
 def _lintel(hits: Array, passes: Array, evidence: PlaneEvidence) -> tuple[bool | None, float | None]:
@@ -125,6 +128,13 @@ def _lintel(hits: Array, passes: Array, evidence: PlaneEvidence) -> tuple[bool |
         return True, None
     share = free[first - 1] / max(free[max(first - 2, 0)], free[first - 1], 1e-9) if wall[first - 1] > 0 else 1.0
     return True, evidence.up_start_m + (base + first - 1 + float(share)) * evidence.up_step_m
+
+
+def _low_open(hits: Array, passes: Array, evidence: PlaneEvidence) -> bool | None:
+    """Whether more rays passed than hit below the height of sills."""
+    low, high = evidence.row(SILL_CLEAR_M), evidence.row(LOW_M)
+    hit, passed = float(hits[:, low:high].sum()), float(passes[:, low:high].sum())
+    return None if hit + passed == 0 else passed > hit
 
 
 def _sill_m(hits: Array, passes: Array, evidence: PlaneEvidence) -> float | None:

@@ -1,30 +1,32 @@
 """The plan in named steps."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution
-from floorplan.model.plan import Plan, PlanPlane
+from floorplan.model.plan import FreeLine, Plan, PlanPlane, Rejection, Room
 from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import SegmentedScan, Tracks
-from floorplan.plan.bodies import bodies_of, junction_blocks, paired_faces, solid
-from floorplan.plan.columns import find_columns
+from floorplan.plan.bodies import Body, bodies_of, junction_blocks, paired_faces, solid
+from floorplan.plan.columns import as_columns, column_bodies, column_faces
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
 from floorplan.plan.dimensions import numbered, wall_to_wall
 from floorplan.plan.doubles import without_doubles
 from floorplan.plan.faces import Run, find_runs
 from floorplan.plan.free_lines import free_lines
 from floorplan.plan.free_space import free_space
-from floorplan.plan.gaps import find_gaps
+from floorplan.plan.gaps import Gap, find_gaps
 from floorplan.plan.glazing import as_glazing, glazed_lines
-from floorplan.plan.openings import find_openings
+from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
-from floorplan.plan.room_facts import height_dimensions, room_height, with_area_sigma, with_ceiling
+from floorplan.plan.room_facts import described, height_dimensions, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.surface_evidence import surface_evidence
-from floorplan.plan.walls import draw_walls
+from floorplan.plan.walls import draw_walls, without_columns
 
 DRAWN_POINTS = 20_000  # evidence points kept for the drawing: enough to see, few enough for any CAD program
 
@@ -34,47 +36,81 @@ def make_plan(
 ) -> Plan:
     """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
     world = in_plan_frame(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)))
-    planes = plan_planes(world, solution)
+    planes, covariance = plan_planes(world, solution), joint_covariance(solution)
     ids = tuple(plane.id for plane in planes)
+    surfaces = wall_surfaces(world, config)
+    faces, bodies, gaps = surfaces.faces, surfaces.bodies, surfaces.gaps
+    matter = solid(bodies, junction_blocks(bodies))
+    drawing = draw_walls(faces, bodies, matter, covariance, ids)
+    columns = column_bodies(bodies, faces)
+    walls = without_columns(drawing, column_faces(columns, faces))
+    glazed = glazed_lines(world, faces, config)
+    path = world.trajectory.position_m[:, :2]
+    openings = with_walls(find_openings(gaps, faces, path, surfaces.thick, config), walls)
+    bare_rooms = find_rooms(RoomScene(faces, gaps, bodies, glazed, free_space(world), path), config)
+    levels = tuple(room_height(room, world) for room in bare_rooms)
+    rooms = described(bare_rooms, levels, faces, planes, covariance)
+    lines = free_lines(segmented.free_patches, world, faces, config)
+    return Plan(
+        planes=planes,
+        faces=drawing.faces,
+        walls=walls,
+        trajectory=world.trajectory,
+        rotation_quarters=world.rotation_quarters,
+        shift_m=np.array(world.shift_m),
+        free_lines=lines,
+        glazing=as_glazing(glazed),
+        openings=openings,
+        rooms=rooms,
+        columns=as_columns(columns),
+        dimensions=numbered(wall_to_wall(faces, rooms, covariance, ids) + height_dimensions(rooms, levels, planes, covariance)),
+        gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
+        plane_covariance_m2=solution.plane_covariance_m2,
+        evidence_xy_m=_drawn_points(world, config),
+        rejections=surfaces.rejections,
+        notes=plan_notes(rooms, lines, world),
+        floor_seen=world.floor_seen,
+    )
+
+
+@dataclass(frozen=True)
+class WallSurfaces:
+    """What is wall: `faces` with clean ends, `bodies` between opposite ones, `gaps` in them, `thick` the faces of bodies."""
+
+    faces: tuple[FaceRun, ...]
+    bodies: tuple[Body, ...]
+    gaps: tuple[Gap, ...]
+    thick: frozenset[int]
+    rejections: tuple[Rejection, ...]
+
+
+def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
+    """Judge all upright planes by their rays and join what is wall."""
     evidence = surface_evidence(world, config)
     found = find_runs(evidence, config, world.heights)
     single, doubled = without_doubles(tuple(_face_run(run, world) for run in found.runs), evidence, config, world.heights)
     faces = joined_corners(single, config.max_bridged_gap_m)
     pairs = paired_faces(faces, config)
     faces = agreed_jambs(faces, pairs)
-    bodies = bodies_of(faces, pairs)
-    matter = solid(bodies, junction_blocks(bodies))
-    covariance = joint_covariance(solution)
-    drawing = draw_walls(faces, bodies, matter, covariance, ids)
-    glazed = glazed_lines(world, faces, config)
     gaps = find_gaps(faces, evidence, config, world.heights)
-    path = world.trajectory.position_m[:, :2]
-    openings = find_openings(gaps, faces, path, {index for pair in pairs for index in pair}, config)
-    rooms = find_rooms(RoomScene(faces, gaps, bodies, glazed, free_space(world), path), config)
-    levels = tuple(room_height(room, world) for room in rooms)
-    rooms = tuple(
-        with_ceiling(with_area_sigma(room, faces, covariance), level, planes, covariance) for room, level in zip(rooms, levels, strict=True)
-    )
-    dimensions = wall_to_wall(faces, rooms, covariance, ids) + height_dimensions(rooms, levels, planes, covariance)
-    return Plan(
-        planes=planes,
-        faces=drawing.faces,
-        walls=drawing.walls,
-        trajectory=world.trajectory,
-        rotation_quarters=world.rotation_quarters,
-        shift_m=np.array(world.shift_m),
-        dimensions=numbered(dimensions),
-        free_lines=free_lines(segmented.free_patches, world, faces, config),
-        glazing=as_glazing(glazed),
-        openings=openings,
-        columns=find_columns(bodies, faces),
-        rooms=rooms,
-        gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
-        plane_covariance_m2=solution.plane_covariance_m2,
-        evidence_xy_m=_drawn_points(world, config),
-        rejections=found.rejections + doubled,
-        floor_seen=world.floor_seen,
-    )
+    thick = frozenset(index for pair in pairs for index in pair)
+    return WallSurfaces(faces, bodies_of(faces, pairs), gaps, thick, found.rejections + doubled)
+
+
+def plan_notes(rooms: tuple[Room, ...], lines: tuple[FreeLine, ...], world: PlanWorld) -> tuple[str, ...]:
+    """What a reader of the drawing must be told."""
+    notes = []
+    if lines:
+        angles = ", ".join(f"{line.id} {line.off_axis_deg:.1f} deg" for line in lines)
+        notes.append(f"Off the axes, outside the Manhattan model: {angles}.")
+    partial = [room.id for room in rooms if room.partial]
+    if partial:
+        notes.append(f"Not closed by seen walls; areas are of what was seen: {', '.join(partial)}.")
+    if not world.heights:
+        notes.append("Recorded by a level laser: no heights; openings are gaps at the laser's level.")
+    elif not world.floor_seen:
+        notes.append("No floor was seen: heights are not above the floor, and what reaches wall height is uncertain.")
+    return tuple(notes)
 
 
 def joint_covariance(solution: LayoutSolution) -> Array:

@@ -1,17 +1,18 @@
 """Doors, passages and windows: gaps that rays or the walker went through, with width, head and sill."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import LineString
 
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
-from floorplan.model.plan import Opening, OpeningKind, Point
+from floorplan.model.plan import Opening, OpeningKind, Point, Wall
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.gaps import OPEN_SHARE, Gap
 
 EDGE_SIGMA_M = 0.005  # of one jamb: the grain of the fine ray counts
+AT_END_M = 0.10  # jambs of the two faces are drawn within this of the opening's mean end
 MIN_SHARED = 0.5  # two gaps of the two faces of a wall are one opening when they share this much of the narrower
 
 
@@ -23,11 +24,11 @@ class GapGroup:
 
 
 def find_openings(
-    gaps: tuple[Gap, ...], faces: tuple[FaceRun, ...], path_xy_m: Array, bodies: set[int], config: PlanConfig
+    gaps: tuple[Gap, ...], faces: tuple[FaceRun, ...], path_xy_m: Array, bodies: frozenset[int], config: PlanConfig
 ) -> tuple[Opening, ...]:
     """Openings O1.. from the gaps of wall faces; `bodies` are the faces that have a partner, `path_xy_m (F, 2)` where the sensor went."""
     path = LineString(path_xy_m) if len(path_xy_m) > 1 else LineString()
-    openings = []
+    openings: list[Opening] = []
     for group in _groups([gap for gap in gaps if _may_open(gap, config)], faces, config):
         opening = _opening(len(openings) + 1, group, faces, path, bodies, config)
         if opening is not None:
@@ -61,7 +62,7 @@ def _one_opening(a: Gap, b: Gap, faces: tuple[FaceRun, ...], config: PlanConfig)
 
 
 def _opening(
-    number: int, group: GapGroup, faces: tuple[FaceRun, ...], path: LineString, bodies: set[int], config: PlanConfig
+    number: int, group: GapGroup, faces: tuple[FaceRun, ...], path: LineString, bodies: frozenset[int], config: PlanConfig
 ) -> Opening | None:
     gaps = group.gaps
     offsets = [faces[gap.face].offset_m for gap in gaps]
@@ -100,6 +101,8 @@ def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool) -> OpeningKind | 
     """Door under a lintel, window over a sill, passage where walls end and nothing is above; None where the evidence does not tell."""
     if not walked and all(gap.is_window for gap in gaps):
         return OpeningKind.WINDOW
+    if not walked and not any(gap.low_open for gap in gaps) and any(gap.lintel is not None for gap in gaps):
+        return None  # hidden near the floor: a door or a window, who knows
     if any(gap.lintel for gap in gaps):
         return OpeningKind.DOOR
     if any(gap.lintel is False for gap in gaps):
@@ -108,3 +111,19 @@ def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool) -> OpeningKind | 
         return OpeningKind.DOOR
     in_one_surface = all(gap.after is not None for gap in gaps)
     return OpeningKind.PASSAGE if walked or has_body or in_one_surface else None
+
+
+def with_walls(openings: tuple[Opening, ...], walls: tuple[Wall, ...]) -> tuple[Opening, ...]:
+    """The openings with the ids of the walls that end at them."""
+    return tuple(replace(opening, walls=tuple(wall.id for wall in walls if _ends_at(wall, opening))) for opening in openings)
+
+
+def _ends_at(wall: Wall, opening: Opening) -> bool:
+    along = opening.along_axis
+    for line in wall.seen:
+        for point in line:
+            off_end = abs(abs(point[along] - opening.centre[along]) - opening.width_m / 2)
+            off_line = abs(point[1 - along] - opening.centre[1 - along])
+            if off_end < AT_END_M and off_line < opening.depth_m / 2 + AT_END_M:
+                return True
+    return False

@@ -8,6 +8,19 @@ from floorplan.model.checks import Array
 MIN_INCIDENCE = 0.15  # sine of 9 degrees: below it a ray's crossing point slides by more than a cell for 1 cm of noise
 
 
+HIT, PASSED, BLOCKED, NOTHING = 1, 2, 3, 0
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
+def _kind(before: float, beyond: float, mine: bool, loose: bool, tolerance: float) -> int:
+    """What a ray did to a plane: `before`, `beyond` are the distances of its start and end from it, positive on the room side."""
+    if mine or (loose and before > 0 and abs(beyond) <= tolerance):
+        return HIT
+    if (beyond < -tolerance and before > 0) or (beyond > tolerance and before < -tolerance):
+        return PASSED
+    return BLOCKED if beyond > tolerance and before > beyond else NOTHING
+
+
 @njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
 def count_rays(
     sensor: Array,
@@ -21,68 +34,43 @@ def count_rays(
     facing: int,
     offset: float,
     reach: Array,
-    corner: Array,
-    cell: Array,
+    grid: Array,
     band: Array,
-    fine: int,
-    hits: Array,
-    passes: Array,
-    blocked: Array,
-    fine_hits: Array,
-    fine_passes: Array,
+    counts: Array,
+    fine: Array,
     frames: Array,
 ) -> None:
-    """Fill the count arrays of one plane; `corner` and `cell` give the grid (along, up), `band` the heights of the fine counts.
+    """Fill `counts (3, U, Z)`, `fine (3, U * K)` (hits, passed, blocked; fine: heights in `band` alone) and `frames (U,)`.
+    `grid` is (along, up, step along, step up).
 
     A point of no plane counts as a hit when it lies on this one within the box `reach` (along low, high, up low, high).
     """
     along = 1 - axis
     last_frame = np.full(frames.shape[0], -1)
+    finer = fine.shape[1] // counts.shape[1]
     for i in range(point.shape[0]):
         f = point_frame[i]
-        before = (sensor[f, axis] - offset) * facing  # positive: the sensor is on the room side
-        beyond = (point[i, axis] - offset) * facing
+        before, beyond = (sensor[f, axis] - offset) * facing, (point[i, axis] - offset) * facing
+        u, z = point[i, along], point[i, 2]
         mine = point_plane[i] == plane
-        kind = 0
-        loose = point_plane[i] < 0 and before > 0 and abs(beyond) <= tolerance[i]
-        if loose:
-            u, z = point[i, along], point[i, 2]
-            loose = reach[0] <= u <= reach[1] and reach[2] <= z <= reach[3]
-        if mine or loose:
-            kind = 1
-            u, z = point[i, along], point[i, 2]
-        else:
-            if before * beyond > 0 and beyond < 0:
-                continue  # wholly behind
-            if (beyond < -tolerance[i] and before > 0) or (beyond > tolerance[i] and before < -tolerance[i]):
-                kind = 2
-            elif before > 0 and beyond > tolerance[i] and before - beyond > 0:
-                kind = 3
-            else:
-                continue
-            run = before - beyond
-            du, dz = point[i, along] - sensor[f, along], point[i, 2] - sensor[f, 2]
+        loose = point_plane[i] < 0 and reach[0] <= u <= reach[1] and reach[2] <= z <= reach[3]
+        kind = _kind(before, beyond, mine, loose, tolerance[i])
+        if kind == NOTHING:
+            continue
+        if kind != HIT:
+            run, du, dz = before - beyond, u - sensor[f, along], z - sensor[f, 2]
             if abs(run) < MIN_INCIDENCE * np.sqrt(run * run + du * du + dz * dz):
                 continue
             u, z = sensor[f, along] + before / run * du, sensor[f, 2] + before / run * dz
-        a, b = int(np.floor((u - corner[0]) / cell[0])), int(np.floor((z - corner[1]) / cell[1]))
-        if a < 0 or b < 0 or a >= hits.shape[0] or b >= hits.shape[1]:
+        a, b = int(np.floor((u - grid[0]) / grid[2])), int(np.floor((z - grid[1]) / grid[3]))
+        if a < 0 or b < 0 or a >= counts.shape[1] or b >= counts.shape[2]:
             continue
-        in_band = band[0] <= z <= band[1]
-        k = min(int((u - corner[0]) / cell[0] * fine), fine_hits.shape[0] - 1)
-        if kind == 1:
-            hits[a, b] += weight[i]
-            if in_band:
-                fine_hits[k] += weight[i]
-            if mine and last_frame[a] != f:
-                last_frame[a] = f
-                frames[a] += 1
-        elif kind == 2:
-            passes[a, b] += weight[i]
-            if in_band:
-                fine_passes[k] += weight[i]
-        else:
-            blocked[a, b] += weight[i]
+        counts[kind - 1, a, b] += weight[i]
+        if band[0] <= z <= band[1]:
+            fine[kind - 1, min(int((u - grid[0]) / grid[2] * finer), fine.shape[1] - 1)] += weight[i]
+        if kind == HIT and mine and last_frame[a] != f:
+            last_frame[a] = f
+            frames[a] += 1
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]

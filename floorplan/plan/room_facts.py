@@ -26,6 +26,13 @@ class RoomHeight:
     ceiling: int
 
 
+def described(
+    rooms: tuple[Room, ...], heights: tuple[RoomHeight | None, ...], faces: tuple[FaceRun, ...], planes: tuple[PlanPlane, ...], cov: Array
+) -> tuple[Room, ...]:
+    """The rooms with the standard deviations of their areas and with their ceilings; `cov` the planes' joint covariance."""
+    return tuple(with_ceiling(with_area_sigma(room, faces, cov), height, planes, cov) for room, height in zip(rooms, heights, strict=True))
+
+
 def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array) -> Room:
     """The room with sigma_A = sqrt(g^T C g), g the length of outline (signed) on each plane: dA = length * d(offset)."""
     gradient = np.zeros(len(covariance_m2))

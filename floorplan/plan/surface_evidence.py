@@ -13,6 +13,7 @@ FINE_CELLS = 10  # fine counts per cell along: edges of walls are placed to 5 mm
 MARGIN_ALONG_M = 1.8  # beyond a plane's extent: wide enough for a door beside its end
 LOWEST_M, HIGHEST_M = -0.3, 6.0  # heights above the floor that are looked at
 NOISE_SIGMAS = 2.5  # readings farther off a surface than this are not on it
+UNBOUNDED_M = 1e6  # higher than anything
 LOOSE_MARGIN_M = 0.15  # a surface goes on this far beyond its segments, whose ends are trimmed
 MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
 
@@ -61,8 +62,16 @@ def surface_evidence(world: PlanWorld, config: PlanConfig) -> tuple[PlaneEvidenc
 def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -> PlaneEvidence:
     from floorplan.plan.ray_kernels import count_rays
 
-    axis = int(world.plane_axis[plane])
-    empty = _empty_evidence(world, plane, config)
+    low, high = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])]
+    step = config.cell_along_m
+    start = float(np.floor((low - MARGIN_ALONG_M) / step) * step)
+    columns = int(np.ceil((high + MARGIN_ALONG_M - start) / step))
+    up_start, up_step, rows = LOWEST_M, config.cell_up_m, round((HIGHEST_M - LOWEST_M) / config.cell_up_m)
+    band = np.array([config.wall_band_low_m, config.wall_band_high_m])
+    if not world.heights:  # one row that holds everything: a level sweep knows no heights
+        up_start, up_step, rows, band = -UNBOUNDED_M, 2 * UNBOUNDED_M, 1, np.array([-np.inf, np.inf])
+    counts, fine = np.zeros((3, columns, rows)), np.zeros((3, columns * FINE_CELLS))
+    frames = np.zeros(columns, dtype=np.int64)
     count_rays(
         world.trajectory.position_m,
         world.point_m,
@@ -71,22 +80,17 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
         world.point_weight,
         tolerance,
         plane,
-        axis,
+        int(world.plane_axis[plane]),
         int(world.plane_facing[plane]),
         float(world.plane_offset_m[plane]),
         _reach(world, plane),
-        np.array([empty.along_start_m, empty.up_start_m]),
-        np.array([empty.along_step_m, empty.up_step_m]),
-        np.array([config.wall_band_low_m, config.wall_band_high_m] if world.heights else [-np.inf, np.inf]),
-        FINE_CELLS,
-        empty.hits,
-        empty.passes,
-        empty.blocked,
-        empty.fine_hits,
-        empty.fine_passes,
-        empty.frames,
+        np.array([start, up_start, step, up_step]),
+        band,
+        counts,
+        fine,
+        frames,
     )
-    return empty
+    return PlaneEvidence(plane, start, step, up_start, up_step, counts[0], counts[1], counts[2], fine[0], fine[1], frames)
 
 
 def _reach(world: PlanWorld, plane: int) -> Array:
@@ -94,16 +98,3 @@ def _reach(world: PlanWorld, plane: int) -> Array:
     along, up = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])], world.plane_extent_m[plane, 2]
     box = np.array([along[0] - LOOSE_MARGIN_M, along[1] + LOOSE_MARGIN_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
     return np.where(np.isnan(box), [-np.inf, np.inf, -np.inf, np.inf], box)
-
-
-def _empty_evidence(world: PlanWorld, plane: int, config: PlanConfig) -> PlaneEvidence:
-    low, high = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])]
-    step = config.cell_along_m
-    start = np.floor((low - MARGIN_ALONG_M) / step) * step
-    columns = int(np.ceil((high + MARGIN_ALONG_M - start) / step))
-    up_start, up_step, rows = LOWEST_M, config.cell_up_m, round((HIGHEST_M - LOWEST_M) / config.cell_up_m)
-    if not world.heights:  # one row that holds everything: a level sweep knows no heights
-        up_start, up_step, rows = -1e6, 2e6, 1
-    counts = [np.zeros((columns, rows)) for _ in range(3)]
-    fine = [np.zeros(columns * FINE_CELLS) for _ in range(2)]
-    return PlaneEvidence(plane, float(start), step, up_start, up_step, *counts, *fine, np.zeros(columns, dtype=np.int64))

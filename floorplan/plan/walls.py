@@ -1,7 +1,7 @@
 """Walls as they are drawn: face lines cut where another wall stands against them, outlines, hatch areas, thickness."""
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import LineString
@@ -38,7 +38,7 @@ def draw_walls(
         faces_of_run[run].append(face)
     drawn = _drawn_lines(faces)
     taken: set[str] = set()
-    walls = []
+    walls: list[Wall] = []
     for body in bodies:
         mine = [f for run in (body.low_face, body.high_face) for f in faces_of_run[run] if f.id not in taken and _touches(f, body)]
         taken |= {f.id for f in mine}
@@ -49,6 +49,13 @@ def draw_walls(
         elif face.id not in taken:
             walls.append(Wall(f"W{len(walls) + 1}", (face.id,), (), ((face.start, face.end),)))
     return WallDrawing(tuple(faces), tuple(walls), tuple(owner))
+
+
+def without_columns(drawing: WallDrawing, column_runs: frozenset[int]) -> tuple[Wall, ...]:
+    """The walls but for those made of the sides of columns, which are drawn as columns."""
+    sides = {face.id for face, run in zip(drawing.faces, drawing.owner, strict=True) if run in column_runs}
+    walls = [wall for wall in drawing.walls if not (wall.faces and set(wall.faces) <= sides)]
+    return tuple(replace(wall, id=f"W{k + 1}") for k, wall in enumerate(walls))
 
 
 def _faces(runs: tuple[FaceRun, ...], matter: BaseGeometry, plane_ids: tuple[str, ...]) -> tuple[list[Face], list[int]]:

@@ -5,6 +5,7 @@ and looks all round; its points are exact. Planes, tracks and poses are the true
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -161,6 +162,7 @@ def _recording(position: Array, laser: bool) -> Recording:
     return Recording("boxes", sensor, np.arange(n) * 100_000_000, position, eye, down, GravitySource.LEVEL)
 
 
+@cache
 def two_rooms() -> BoxScan:
     """Rooms of 5 x 4 and 3 x 4 m, a 12 cm wall with a 0.9 m door (head 2.0 m) between them, a cabinet 1.8 m high in the first."""
     boxes: list[Box] = [

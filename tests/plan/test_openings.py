@@ -1,0 +1,45 @@
+"""Openings of small worlds: width, heights, kind; nothing is invented."""
+
+import numpy as np
+import pytest
+
+from floorplan.model.plan import OpeningKind
+from tests.plan.box_world import CEILING_M, Box, BoxScan, cast, two_rooms, wall_with_gap
+
+
+def room_with(south: list[Box], extra: list[Box] | None = None) -> BoxScan:
+    """A room of 5 x 4 m whose south wall (y from -0.2 to 0) is given; ground goes on outside."""
+    walls: list[Box] = [
+        (-0.2, 5.2, 4.0, 4.2, 0.0, CEILING_M),
+        (-0.2, 0.0, 0.0, 4.0, 0.0, CEILING_M),
+        (5.0, 5.2, 0.0, 4.0, 0.0, CEILING_M),
+        (-0.2, 5.2, -3.2, -3.0, 0.0, CEILING_M),
+    ]
+    path = [(x, y) for x in np.linspace(0.8, 4.2, 7) for y in (1.0, 2.5)]
+    return cast([*walls, *south, *(extra or [])], path)
+
+
+def test_a_door_has_its_width_its_head_and_was_walked_through() -> None:
+    (door,) = two_rooms().plan().openings
+    assert door.kind is OpeningKind.DOOR
+    assert door.width_m == pytest.approx(0.9, abs=0.02)
+    assert door.head_height_m == pytest.approx(2.0, abs=0.06)
+    assert door.depth_m == pytest.approx(0.12, abs=0.002)
+    assert door.walked_through
+    assert len(door.walls) == 2
+
+
+def test_a_gap_over_a_sill_is_a_window_and_closes_the_room() -> None:
+    sill: Box = (1.5, 3.3, -0.2, 0.0, 0.0, 0.9)
+    plan = room_with([*wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, [(1.5, 3.3, 2.1)]), sill]).plan()
+    (window,) = (opening for opening in plan.openings if opening.centre[1] > plan.rooms[-1].outline[0][1] - 4.5)
+    assert window.kind is OpeningKind.WINDOW
+    assert window.width_m == pytest.approx(1.8, abs=0.03)
+    assert window.sill_height_m == pytest.approx(0.9, abs=0.11)
+    assert max(room.area_m2 for room in plan.rooms) == pytest.approx(20.0, abs=0.1)
+
+
+def test_a_closed_wall_has_no_opening() -> None:
+    plan = room_with(wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, [])).plan()
+    assert plan.openings == ()
+    assert [round(room.area_m2, 1) for room in plan.rooms] == [20.0]
