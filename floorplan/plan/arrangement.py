@@ -77,8 +77,8 @@ def _lines(barriers: tuple[Barrier, ...], axis: int, space: FreeSpace) -> Array:
     high = low + (space.integral.shape[axis] - 1) * CELL_M
     values = [low, high] + [b.offset_m for b in barriers if b.axis == axis]
     values += [end for b in barriers if b.axis != axis for end in (b.start_m, b.end_m)]
-    values = np.sort(np.array(values))
-    return values[np.concatenate(([True], np.diff(values) > SAME_LINE_M))]
+    ordered = np.sort(np.array(values, dtype=np.float64))
+    return np.asarray(ordered[np.concatenate(([True], np.diff(ordered) > SAME_LINE_M))])
 
 
 def _with_thin_cells(inside: Array, matter: Array, x: Array, y: Array, wall_x: Array, wall_y: Array) -> Array:
