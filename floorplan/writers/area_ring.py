@@ -1,6 +1,6 @@
 """A room with holes as one closed ring: the outline, cut to each hole by a slit of zero width."""
 
-from shapely import LineString, Polygon
+from shapely import LineString, Polygon, prepare
 
 from floorplan.model.plan import Point
 
@@ -13,27 +13,27 @@ def signed_area(ring: tuple[Point, ...]) -> float:
 
 
 def slit_ring(outline: tuple[Point, ...], holes: tuple[tuple[Point, ...], ...]) -> tuple[Point, ...]:
-    """`outline` with every hole joined to it; the shoelace area of the result is the net area. Holes nearest first."""
+    """`outline` with every hole joined to it; the shoelace area of the result is the net area.
+
+    Holes from left to right, each cut at its leftmost corner: what lies to the left of it is joined already, so that a
+    corner in sight is always there.
+    """
     ring = outline if signed_area(outline) > 0 else outline[::-1]
-    left = [hole if signed_area(hole) < 0 else hole[::-1] for hole in holes]
+    if not holes:
+        return ring
     room = Polygon(outline, holes).buffer(SLACK_M)
-    while left:
-        start, index, corner = _shortest_slit(ring, left, room)
-        hole = left.pop(index)
-        turned = hole[corner:] + hole[:corner]
-        ring = (*ring[: start + 1], *turned, turned[0], *ring[start:])
+    prepare(room)
+    for hole in sorted((hole if signed_area(hole) < 0 else hole[::-1] for hole in holes), key=min):
+        corner = hole.index(min(hole))
+        start = _nearest_in_sight(ring, hole[corner], room)
+        ring = (*ring[: start + 1], *hole[corner:], *hole[: corner + 1], *ring[start:])
     return ring
 
 
-def _shortest_slit(ring: tuple[Point, ...], holes: list[tuple[Point, ...]], room: Polygon) -> tuple[int, int, int]:
-    """Row of the ring, hole and corner of the hole of the shortest slit that stays inside the room."""
-    pairs = sorted(
-        ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2, start, index, corner)
-        for start, a in enumerate(ring)
-        for index, hole in enumerate(holes)
-        for corner, b in enumerate(hole)
-    )
-    for _, start, index, corner in pairs:
-        if room.covers(LineString([ring[start], holes[index][corner]])):
-            return start, index, corner
-    return pairs[0][1:]  # a room that is not simple has no clean slit: the shortest still keeps the area
+def _nearest_in_sight(ring: tuple[Point, ...], corner: Point, room: Polygon) -> int:
+    """Row of the ring's nearest point from which a straight cut to `corner` stays inside the room."""
+    by_distance = sorted(range(len(ring)), key=lambda row: (ring[row][0] - corner[0]) ** 2 + (ring[row][1] - corner[1]) ** 2)
+    for row in by_distance:
+        if room.covers(LineString([ring[row], corner])):
+            return row
+    return by_distance[0]  # a room that is not simple has no clean slit: the shortest still keeps the area
