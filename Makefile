@@ -14,7 +14,7 @@ PYTHON ?= $(shell for p in python3.12 python3.11 python3.13 python3 python; do \
 
 demo: $(STAMP)
 > mkdir -p demo
-> $(VENV)/bin/floorplan build $(SAMPLE) --work demo/work --dxf demo/plan.dxf --svg demo/plan.svg --png demo/plan.png
+> $(VENV)/bin/floorplan build $(SAMPLE) --work demo/work --dxf demo/plan.dxf --svg demo/plan.svg --png demo/plan.png --report demo/plan.html
 
 test: $(STAMP)
 > $(RUN) -m pytest

@@ -9,19 +9,16 @@ from floorplan.chunked_segments import segment_in_chunks
 from floorplan.config import Config
 from floorplan.config_file import config_to_toml
 from floorplan.drawings import Drawing, write_drawings
-from floorplan.ingest import ingest
 from floorplan.initial_layout import InitialLayout, initial_layout
-from floorplan.merge import merge
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
-from floorplan.plan import make_plan
 from floorplan.readers import Source, open_scan
-from floorplan.reporting import Reporter, SilentReporter
-from floorplan.resolve import resolve
+from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
+from floorplan.stage_functions import ingest, make_plan, merge, resolve
 from floorplan.trajectory import keyframe_trajectory
 from floorplan.work.disk import new_file
 from floorplan.work.fingerprint import scan_fingerprint
@@ -53,7 +50,9 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
     source = open_scan(job.scan, job.format, config.read)
     with _opened_work(job, source, reporter) as work, suppress(UntilReached):
         scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress("gravity")), count_scan)
+        tell_problems(reporter, scan.recording.problems)
         segmented = work.stage(SEGMENTS, SegmentedScan, lambda: segment_in_chunks(source, scan, config, work, job.jobs), count_segments)
+        tell_problems(reporter, segmented.problems)
         layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
         merged = work.stage(MERGE, MergeResult, lambda: merge(layout.graph, layout.least_squares, config.merge), count_merge)
         solution = work.stage(RESOLVE, LayoutSolution, lambda: resolve(layout.graph, merged, config.resolve), count_solution)

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 import numpy as np
 
 from floorplan.config import Config
+from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
@@ -43,4 +44,17 @@ def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: 
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
             raise
-        return segments.join(scan, prior, [future.result() for future in waiting])
+        segmented = segments.join(scan, prior, [future.result() for future in waiting])
+        _stop_when_too_many_are_bad(segmented, scan, config.ingest.max_unreadable_share)
+        return segmented
+
+
+def _stop_when_too_many_are_bad(segmented: SegmentedScan, scan: IngestedScan, max_share: float) -> None:
+    """Raise `InputError` when more than `max_share` of the keyframes could not be read; ingest saw only how their files begin and end."""
+    bad = sum(problem.count for problem in segmented.problems)
+    if bad > max_share * len(scan.keyframe):
+        first = segmented.problems[0]
+        raise InputError(
+            f"too-many-unreadable: {bad} of {len(scan.keyframe)} frames looked at could not be read (first: {first.where}, "
+            f"{first.message}); copy the recording again, or raise ingest.max_unreadable_share to use what is left"
+        )

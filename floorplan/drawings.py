@@ -9,7 +9,6 @@ from floorplan import __version__
 from floorplan.config import Config
 from floorplan.errors import UsageError
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
-from floorplan.plan.plan_json import plan_to_json
 from floorplan.reporting import Reporter
 from floorplan.results import Results
 from floorplan.summary import Summary
@@ -18,7 +17,7 @@ from floorplan.work.disk import clear_disk_errors
 if TYPE_CHECKING:
     from floorplan.writers.facts import SheetFacts
 
-PLAN_JSON = "json"  # the plan as data: no drawing, so no writer
+TABLES = ("dimensions", "rooms")  # writers of comma-separated tables
 EARLIEST_CLOCK_S = 946_684_800  # 2000-01-01: smaller stamps count from some other beginning than 1970
 
 
@@ -28,6 +27,16 @@ class Drawing:
 
     format: str
     path: Path
+
+
+def tables_in(folder: Path) -> tuple[Drawing, ...]:
+    """The tables to write in `folder`, each under its own name."""
+    if folder.is_file():
+        raise UsageError(f"{folder} is a file; the tables need a folder")
+    with clear_disk_errors(folder):
+        if folder.parent.is_dir():
+            folder.mkdir(exist_ok=True)
+    return tuple(Drawing(name, folder / f"{name}.csv") for name in TABLES)
 
 
 def check_drawings(drawings: tuple[Drawing, ...]) -> None:
@@ -48,10 +57,7 @@ def write_drawings(results: Results, table: Summary, scan: Path, drawings: tuple
     facts = sheet_facts(results, table, scan)
     for drawing in drawings:
         with clear_disk_errors(drawing.path):
-            if drawing.format == PLAN_JSON:
-                drawing.path.write_text(plan_to_json(results.plan), "utf-8")
-            else:
-                writers.write(drawing.format, results.plan, drawing.path, config.drawing, config.project, facts)
+            writers.write(drawing.format, results.plan, drawing.path, config.drawing, config.project, facts)
         reporter.message(f"wrote {drawing.path}")
 
 
@@ -75,7 +81,7 @@ def sheet_facts(results: Results, table: Summary, scan: Path) -> "SheetFacts":
         path_m=table.path_length_m,
         drift_m=table.drift.final_m if table.drift else None,
         rows=rows,
-        problems=tuple(f"{p.code}: {p.message} ({p.count})" for p in recording.problems),
+        problems=tuple(f"{p.code}: {p.message} ({p.count})" for p in results.problems),
         unseen=results.plan.notes,
     )
 

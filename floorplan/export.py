@@ -1,4 +1,4 @@
-"""Drawings again from the finished stages of a work folder; nothing is computed."""
+"""Drawings and tables again from the finished stages of a work folder."""
 
 from pathlib import Path
 from typing import TypeVar
@@ -6,13 +6,16 @@ from typing import TypeVar
 from floorplan.config import Config
 from floorplan.drawings import Drawing, write_drawings
 from floorplan.errors import WorkFolderError
-from floorplan.initial_layout import InitialLayout
+from floorplan.graph_file import save_graph
+from floorplan.initial_layout import InitialLayout, tracked_graph
+from floorplan.merge_table import MergeRow, merge_rows
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
 from floorplan.reporting import Reporter
 from floorplan.results import Results, summary, trajectories
+from floorplan.work.disk import clear_disk_errors, new_file
 from floorplan.work.folder import read_owner
 from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
 from floorplan.work.status import StageState, current_owner, stages_status
@@ -43,6 +46,25 @@ def read_results(work: Path) -> Results:
         solution=_finished(work, RESOLVE, LayoutSolution),
         plan=_finished(work, PLAN, Plan),
     )
+
+
+def export_graph(work: Path, config: Config, path: Path) -> None:
+    """Write the layout graph of `work` to `path`: the one that was solved, or, before that stage, the one its segments make."""
+    scan = _finished(work, INGEST, IngestedScan)
+    states = {state.folder: state.state for state in stages_status(work, config, current_owner(read_owner(work), work))}
+    if states[LEAST_SQUARES.folder] is StageState.KEPT:
+        graph = _finished(work, LEAST_SQUARES, InitialLayout).graph
+    else:
+        _, graph = tracked_graph(scan, _finished(work, SEGMENTS, SegmentedScan), config)
+    with clear_disk_errors(path), new_file(path) as making:
+        save_graph(graph, making)
+
+
+def read_merges(work: Path) -> tuple[MergeRow, ...]:
+    """Every hypothesis of the finished merge. Raises `WorkFolderError` where it is not finished."""
+    read_owner(work)
+    layout = _finished(work, LEAST_SQUARES, InitialLayout)
+    return merge_rows(_finished(work, INGEST, IngestedScan), layout, _finished(work, MERGE, MergeResult))
 
 
 def _finished(work: Path, stage: Stage, kind: type[T]) -> T:

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 from floorplan.config import Config
-from floorplan.layout_graph import layout_graph
-from floorplan.least_squares import least_squares
+from floorplan.errors import InputError
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.model.scan import IngestedScan
-from floorplan.model.segment import SegmentedScan, Tracks
-from floorplan.tracking import track
+from floorplan.model.segment import AXIS_Z, SegmentedScan, Tracks
 
 
 @dataclass(frozen=True)
@@ -21,7 +19,22 @@ class InitialLayout:
 
 
 def initial_layout(scan: IngestedScan, segmented: SegmentedScan, config: Config) -> InitialLayout:
-    """Segments of consecutive frames to initial planes, and where least squares puts them."""
-    tracks = track(scan, segmented, config.tracking)
-    graph = layout_graph(scan, segmented, tracks)
+    """Segments of consecutive frames to initial planes, and where least squares puts them. Raises `InputError` when no wall was found."""
+    from floorplan.least_squares import least_squares
+
+    tracks, graph = tracked_graph(scan, segmented, config)
+    if not (tracks.axis != AXIS_Z).any():
+        raise InputError(
+            f"no wall found: {len(segmented.segments)} flat surfaces in {len(scan.keyframe)} frames, none of them an upright one along a "
+            "common direction; see what 'floorplan info' says of ranges, intrinsics and gravity, and record walls from 1 to 4 m away"
+        )
     return InitialLayout(tracks, graph, least_squares(graph, config.least_squares))
+
+
+def tracked_graph(scan: IngestedScan, segmented: SegmentedScan, config: Config) -> tuple[Tracks, LayoutGraph]:
+    """The tracks and their layout graph, before anything is solved."""
+    from floorplan.layout_graph import layout_graph
+    from floorplan.tracking import track
+
+    tracks = track(scan, segmented, config.tracking)
+    return tracks, layout_graph(scan, segmented, tracks)

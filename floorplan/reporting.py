@@ -1,7 +1,10 @@
 """How the job tells what it is doing, without knowing who listens. The default listener is silent."""
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from floorplan.model.scan import Problem
 
 Progress = Callable[[int, int], None]  # called with (done, total)
 
@@ -24,6 +27,12 @@ class Reporter(Protocol):
     def progress(self, title: str) -> Progress:
         """A callback for one long task; the bar ends when done equals total."""
         ...
+
+
+def tell_problems(reporter: Reporter, problems: "Iterable[Problem]") -> None:
+    """One line per kind of bad data: what, how often, where first, what to do."""
+    for p in problems:
+        reporter.message(f"note: {p.code}: {p.message} ({p.count}x, first: {p.where}); {p.advice}")
 
 
 class SilentReporter:

@@ -1,5 +1,6 @@
 """Everything a finished build knows, and the files at the root of its work folder."""
 
+import hashlib
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -7,22 +8,26 @@ from typing import Any
 
 import numpy as np
 
+from floorplan import __version__
 from floorplan.config import Config
 from floorplan.initial_layout import InitialLayout
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
-from floorplan.model.scan import IngestedScan, Trajectory
+from floorplan.model.scan import IngestedScan, Problem, Trajectory
 from floorplan.model.segment import SegmentedScan
-from floorplan.plan.plan_json import plan_to_json
 from floorplan.summary import Summary, Trajectories, summarise
 from floorplan.trajectory import PlanFrame, every_frame, in_plan_frame, keyframe_trajectory, odometry_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
 from floorplan.work.fingerprint import TRUTH_NAME
 from floorplan.work.folder import read_stage_record
 from floorplan.work.stages import STAGES
-from floorplan.work.values import write_json
+from floorplan.work.values import decode, write_json
 from floorplan.writers.tum import write_tum
+
+PLAN_NAME, SUMMARY_NAME = "plan.json", "summary.json"
+TRAJECTORY_NAMES = ("trajectory.tum", "trajectory-odometry.tum", "trajectory-compass.tum", "trajectory-least-squares.tum")
+ROOT_KEY_DIGITS = 16
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,11 @@ class Results:
     merged: MergeResult
     solution: LayoutSolution
     plan: Plan
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """Bad data met in the recording, then in the frames that were looked at."""
+        return self.scan.recording.problems + self.segmented.problems
 
 
 def trajectories(results: Results) -> Trajectories:
@@ -57,35 +67,64 @@ def trajectories(results: Results) -> Trajectories:
 
 def summary(results: Results, paths: Trajectories, scan_path: Path, work: Path, config: Config) -> Summary:
     """The paper's table for this scan."""
-    seconds = {stage.folder: record["seconds"] for stage in STAGES if (record := read_stage_record(work, stage)) is not None}
-    told = (config.ingest.returns_to_start, _truth_returns_to_start(scan_path), results.scan.recording.returns_to_start)
-    returns = next((answer for answer in told if answer is not None), False)
-    return summarise(results.scan, results.layout.tracks, results.merged, results.solution, paths, returns, seconds)
+    seconds = {folder: record["seconds"] for folder, record in _records(work).items()}
+    returns = _returns_to_start(results, scan_path, config)
+    key = root_key(work, returns)
+    return summarise(
+        results.scan, results.layout.tracks, results.merged, results.solution, paths, returns, results.problems, seconds, key
+    )
 
 
 def write_root_files(results: Results, scan_path: Path, work: Path, config: Config) -> Summary:
-    """Write `plan.json`, the four trajectories and `summary.json` at the root of `work`; gives the summary."""
+    """Bring `plan.json`, the four trajectories and `summary.json` at the root of `work` up to date; gives the summary.
+
+    Files that were made from the very same stages are left as they are. The summary goes first and comes last: while it
+    stands there, the others belong to it.
+    """
+    if (known := _kept_summary(work, root_key(work, _returns_to_start(results, scan_path, config)))) is not None:
+        return known
+    from floorplan.plan.plan_json import plan_to_json
+
     paths = trajectories(results)
     table = summary(results, paths, scan_path, work, config)
     with clear_disk_errors(work):
-        with new_file(work / "plan.json") as making:
+        (work / SUMMARY_NAME).unlink(missing_ok=True)
+        with new_file(work / PLAN_NAME) as making:
             making.write_text(plan_to_json(results.plan), "utf-8")
         for name, trajectory in _files_of(paths).items():
             with new_file(work / name) as making:
                 write_tum(trajectory, making)
-        with new_file(work / "summary.json") as making:
+        with new_file(work / SUMMARY_NAME) as making:
             write_json(making, asdict(table))
     return table
 
 
+def root_key(work: Path, returns_to_start: bool) -> str:
+    """What the root files depend on: the stages by their keys, the program's version, and the one setting that only the summary reads."""
+    keys = [record["key"] for record in _records(work).values()]
+    return hashlib.sha256(json.dumps([*keys, __version__, returns_to_start]).encode()).hexdigest()[:ROOT_KEY_DIGITS]
+
+
+def _kept_summary(work: Path, key: str) -> Summary | None:
+    """The summary at the root, where it and all files beside it were made under `key`."""
+    if not all((work / name).is_file() for name in (SUMMARY_NAME, PLAN_NAME, *TRAJECTORY_NAMES)):
+        return None
+    tree = json.loads((work / SUMMARY_NAME).read_text("utf-8"))
+    return decode(Summary, tree, {}) if tree.get("key") == key and tree.keys() == Summary.__dataclass_fields__.keys() else None
+
+
+def _records(work: Path) -> dict[str, dict[str, Any]]:
+    return {stage.folder: record for stage in STAGES if (record := read_stage_record(work, stage)) is not None}
+
+
+def _returns_to_start(results: Results, scan_path: Path, config: Config) -> bool:
+    told = (config.ingest.returns_to_start, _truth_returns_to_start(scan_path), results.scan.recording.returns_to_start)
+    return next((answer for answer in told if answer is not None), False)
+
+
 def _files_of(paths: Trajectories) -> dict[str, Trajectory]:
     """The trajectories by the name of their file."""
-    return {
-        "trajectory.tum": paths.final,
-        "trajectory-odometry.tum": paths.odometry,
-        "trajectory-compass.tum": paths.compass,
-        "trajectory-least-squares.tum": paths.least_squares,
-    }
+    return dict(zip(TRAJECTORY_NAMES, (paths.final, paths.odometry, paths.compass, paths.least_squares), strict=True))
 
 
 def _truth_returns_to_start(scan_path: Path) -> bool | None:

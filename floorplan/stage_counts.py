@@ -16,7 +16,9 @@ def count_scan(scan: IngestedScan) -> Counts:
 
 def count_segments(segmented: SegmentedScan) -> Counts:
     """Of `2-segments`."""
-    return {"segments": len(segmented.segments), "frames without walls": int((~segmented.frames.measured).sum())}
+    counts = {"segments": len(segmented.segments), "frames without walls": int((~segmented.frames.measured).sum())}
+    unreadable = sum(problem.count for problem in segmented.problems)
+    return counts | ({"frames unreadable": unreadable} if unreadable else {})
 
 
 def count_layout(layout: InitialLayout) -> Counts:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.model.graph import LayoutSolution, MergeResult
-from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan, Trajectory
+from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan, Problem, Trajectory
 from floorplan.model.segment import Tracks
 from floorplan.trajectory import path_length_m
 
@@ -35,7 +35,8 @@ class Drift:
 class Summary:
     """The paper's table for one scan; `drift` is None where nothing says that the walk ended where it began.
 
-    `complexity_reduction` = 1 - final planes / initial planes.
+    `complexity_reduction` = 1 - final planes / initial planes. `problems` are the bad data met; `key` stands for the stages
+    this table was made from.
     """
 
     format: str
@@ -53,7 +54,9 @@ class Summary:
     residual_m: float
     delta_m: float
     drift: Drift | None
+    problems: tuple[Problem, ...]
     seconds: Mapping[str, float]
+    key: str
 
 
 def summarise(
@@ -63,9 +66,11 @@ def summarise(
     solution: LayoutSolution,
     trajectories: Trajectories,
     returns_to_start: bool,
+    problems: tuple[Problem, ...],
     seconds: Mapping[str, float],
+    key: str,
 ) -> Summary:
-    """The table's rows; `seconds` per stage are those of the run that made each stage."""
+    """The table's rows; `seconds` per stage are those of the run that made each stage, `key` stands for all of them."""
     recording, initial, final = scan.recording, len(tracks.axis), len(solution.plane_axis)
     return Summary(
         format=recording.format,
@@ -83,7 +88,9 @@ def summarise(
         residual_m=solution.residual_m,
         delta_m=merged.delta_m,
         drift=_drift(trajectories) if returns_to_start else None,
+        problems=problems,
         seconds=seconds,
+        key=key,
     )
 
 

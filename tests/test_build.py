@@ -16,7 +16,8 @@ from floorplan.build import Job, build
 from floorplan.config import Config
 from floorplan.config_file import load_config
 from floorplan.errors import WorkFolderError
-from floorplan.export import read_results
+from floorplan.export import export_graph, read_merges, read_results
+from floorplan.graph_file import load_graph
 from floorplan.simulate import simulate
 from floorplan.work.stages import RESOLVE, SEGMENTS, STAGES
 
@@ -98,6 +99,21 @@ def test_a_second_build_makes_nothing_and_leaves_the_same_bytes(scan: Path, work
     assert {stage.folder: (work / stage.folder / "stage.json").read_bytes() for stage in STAGES} == records
 
 
+def test_root_files_are_left_alone_while_they_are_right_and_remade_when_one_is_missing(scan: Path, work: Path) -> None:
+    before, times = made_bytes(work), {name: (work / name).stat().st_mtime_ns for name in ROOT_FILES - {"work.json", "config.toml"}}
+    build(Job(scan, work))
+    assert {name: (work / name).stat().st_mtime_ns for name in times} == times
+    (work / "trajectory-compass.tum").unlink()
+    build(Job(scan, work))
+    assert made_bytes(work) == before
+    (work / "plan.json").write_text("of another build")
+    build(Job(scan, work, load_config(None, ["ingest.returns_to_start=false"])))
+    assert made_bytes(work) == before
+    assert json.loads((work / "summary.json").read_text())["drift"] is None
+    build(Job(scan, work))
+    assert json.loads((work / "summary.json").read_text())["drift"] is not None
+
+
 def test_more_jobs_and_stops_on_the_way_give_the_same_bytes(scan: Path, work: Path, tmp_path: Path) -> None:
     job = Job(scan, tmp_path / "work", jobs=2)
     assert build(replace(job, until=SEGMENTS)) is None
@@ -146,6 +162,34 @@ def test_a_drawing_setting_makes_no_stage_again(scan: Path, work: Path) -> None:
     build(Job(scan, work, load_config(None, ["drawing.units=mm", "project.name=Flat"])))
     assert ((work / "1-ingest" / "stage.json").stat().st_mtime_ns, (work / "6-plan" / "stage.json").stat().st_mtime_ns) == record
     build(Job(scan, work, Config()))
+
+
+def test_the_layout_graph_is_exported_before_and_after_it_is_solved(scan: Path, work: Path, tmp_path: Path) -> None:
+    early = tmp_path / "work"
+    early.mkdir()
+    for kept in ("work.json", "config.toml"):
+        shutil.copy(work / kept, early)
+    for stage in STAGES[:2]:
+        shutil.copytree(work / stage.folder, early / stage.folder)
+    graphs = []
+    for folder in (early, work):
+        export_graph(folder, Config(), tmp_path / "graph.npz")
+        graphs.append(load_graph(tmp_path / "graph.npz"))
+    assert len(graphs[1].axis) == len(read_results(work).layout.tracks.axis)
+    for name in ("stamp_s", "translation_m", "frame", "track", "distance_m", "axis", "facing", "extent_m", "sigma_m"):
+        np.testing.assert_array_equal(getattr(graphs[0], name), getattr(graphs[1], name))
+
+
+def test_every_hypothesis_is_listed_with_the_frames_that_saw_both_sides(work: Path) -> None:
+    results, rows = read_results(work), read_merges(work)
+    assert len(rows) == len(results.merged.hypotheses)
+    assert sum(row.accepted for row in rows) == int(results.merged.hypotheses.accepted.sum()) > 0
+    assert all((row.plane[0] == row.plane[1]) for row in rows if row.accepted)
+    graph, keyframe = results.layout.graph, results.scan.keyframe
+    for row in rows[:20]:
+        sides = [set(keyframe[graph.frame[graph.track == side.track]].tolist()) for side in (row.first, row.second)]
+        assert set(row.frames_of_both) == sides[0] & sides[1]
+        assert (row.first.first_frame, row.first.last_frame, row.first.keyframes) == (min(sides[0]), max(sides[0]), len(sides[0]))
 
 
 def test_finished_stages_are_read_back_whole(work: Path) -> None:

@@ -38,6 +38,11 @@ def test_help_and_version_import_nothing_heavy() -> None:
     assert result.stdout.strip() == "[]"
 
 
+def test_the_package_runs_as_a_module() -> None:
+    command = [sys.executable, "-m", "floorplan", "--version"]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == f"floorplan {__version__}\n"
+
+
 def test_version_is_the_packages() -> None:
     assert RUNNER.invoke(app, ["--version"]).output.strip() == f"floorplan {__version__}"
 
@@ -70,6 +75,8 @@ def test_wrong_usage_is_2() -> None:
         (["status", "{dir}"], WorkFolderError, "not a work folder"),
         (["export", "{dir}", "--dxf", "{dir}/plan.dxf"], WorkFolderError, "not a work folder"),
         (["export", "{dir}"], UsageError, "--dxf"),
+        (["export", "{dir}", "--graph", "{dir}/graph.npz"], WorkFolderError, "not a work folder"),
+        (["merges", "{dir}"], WorkFolderError, "not a work folder"),
     ],
 )
 def test_each_mistake_has_its_kind_and_says_what_to_do(tmp_path: Path, arguments: list[str], kind: type, words: str) -> None:

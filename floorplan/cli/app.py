@@ -5,7 +5,16 @@ from typing import Annotated
 import typer
 
 from floorplan import __version__
-from floorplan.cli import build_command, check_command, info_command, look_commands, simulate_command, solve_command, work_commands
+from floorplan.cli import (
+    build_command,
+    check_command,
+    info_command,
+    look_commands,
+    merges_command,
+    simulate_command,
+    solve_command,
+    work_commands,
+)
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -34,6 +43,7 @@ app.command("build")(build_command.build)
 app.command("info")(info_command.info)
 app.command("status")(work_commands.status)
 app.command("check")(check_command.check)
+app.command("merges")(merges_command.merges)
 app.command("export")(work_commands.export)
 app.command("formats")(look_commands.formats)
 app.command("config")(look_commands.config)

@@ -23,6 +23,9 @@ def build(
     pdf: o.Pdf = None,
     png: o.Png = None,
     json: o.JsonFile = None,
+    geojson: o.Geojson = None,
+    csv: o.Csv = None,
+    report: o.Report = None,
     work: Annotated[Path | None, typer.Option("--work", metavar="DIR", help="Work folder (default: SCAN.floorplan).")] = None,
     config: o.ConfigFile = None,
     settings: o.Settings = None,
@@ -47,7 +50,7 @@ def build(
     from floorplan.build import Job
     from floorplan.build import build as run
 
-    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json)
+    drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
     job = Job(scan, work or o.default_work(scan), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     results = run(job, reporter)
     if results is not None and not quiet:
@@ -56,8 +59,6 @@ def build(
 
 def _print_numbers(job: "Job", results: "Results") -> None:
     plan = results.plan
-    for problem in results.scan.recording.problems:
-        typer.echo(f"note: {problem.code}: {problem.message} ({problem.count}x, first: {problem.where})", err=True)
     echo_table(
         [
             ("rooms", str(len(plan.rooms)), f"{sum(room.area_m2 for room in plan.rooms):.1f} m2 in all"),

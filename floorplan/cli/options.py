@@ -23,6 +23,9 @@ Svg = Annotated[Path | None, typer.Option("--svg", metavar="FILE", help="Drawing
 Pdf = Annotated[Path | None, typer.Option("--pdf", metavar="FILE", help="Sheet to print.")]
 Png = Annotated[Path | None, typer.Option("--png", metavar="FILE", help="Picture.")]
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="The plan as data.")]
+Geojson = Annotated[Path | None, typer.Option("--geojson", metavar="FILE", help="The plan for GIS.")]
+Csv = Annotated[Path | None, typer.Option("--csv", metavar="DIR", help="Tables: dimensions.csv and rooms.csv in this folder.")]
+Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="A page with the plan, its numbers and its problems (HTML).")]
 Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="Units of the drawing.")]
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]
@@ -36,11 +39,12 @@ def effective_config(path: Path | None, settings: list[str] | None, **drawing: s
     return load_config(path, [*(settings or []), *short])
 
 
-def asked_drawings(**files: Path | None) -> tuple["Drawing", ...]:
-    """The drawings asked for, checked: format name = file."""
-    from floorplan.drawings import Drawing, check_drawings
+def asked_drawings(csv: Path | None, **files: Path | None) -> tuple["Drawing", ...]:
+    """The drawings asked for, checked: format name = file; `csv` is the folder of the tables, made if need be."""
+    from floorplan.drawings import Drawing, check_drawings, tables_in
 
     drawings = tuple(Drawing(name, path) for name, path in files.items() if path is not None)
+    drawings += tables_in(csv) if csv is not None else ()
     check_drawings(drawings)
     return drawings
 

@@ -1,6 +1,10 @@
 """`floorplan status` and `floorplan export`: what a work folder holds, and drawings from it again."""
 
 from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from floorplan.cli import options as o
 from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
@@ -35,6 +39,10 @@ def export(
     pdf: o.Pdf = None,
     png: o.Png = None,
     json: o.JsonFile = None,
+    geojson: o.Geojson = None,
+    csv: o.Csv = None,
+    report: o.Report = None,
+    graph: Annotated[Path | None, typer.Option("--graph", metavar="F.npz", help="The layout graph, for 'floorplan solve'.")] = None,
     config: o.ConfigFile = None,
     settings: o.Settings = None,
     units: o.Units = None,
@@ -42,15 +50,20 @@ def export(
     sheet: o.Sheet = None,
     quiet: o.Quiet = False,
 ) -> None:
-    """Write drawings again from finished stages; never recomputes."""
-    from floorplan.export import export as run
+    """Write drawings, or the layout graph, again from finished stages."""
     from floorplan.work.folder import read_owner
 
-    drawings = o.asked_drawings(dxf=dxf, svg=svg, pdf=pdf, png=png, json=json)
-    if not drawings:
-        raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json")
+    drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    if not drawings and graph is None:
+        raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json, --geojson, --csv, --report, --graph")
     read_owner(work)
+    from floorplan.export import export as run
+    from floorplan.export import export_graph
+
     effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet)
-    run(work, effective, drawings, ConsoleReporter(quiet))
-    for drawing in drawings:
-        echo(str(drawing.path))
+    if graph is not None:
+        export_graph(work, effective, graph)
+    if drawings:
+        run(work, effective, drawings, ConsoleReporter(quiet))
+    for path in (*(drawing.path for drawing in drawings), *([graph] if graph else [])):
+        echo(str(path))

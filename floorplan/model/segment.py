@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.model.checks import Array, freeze
+from floorplan.model.scan import Problem
 
 AXIS_X, AXIS_Y, AXIS_Z = 0, 1, 2
 NO_SEGMENT = -1  # an evidence point that lies on no layout segment
@@ -137,12 +138,13 @@ class EvidencePoints:
 
 @dataclass(frozen=True)
 class SegmentedScan:
-    """Stage `2-segments`: everything later stages know about the depth."""
+    """Stage `2-segments`: everything later stages know about the depth; `problems` of keyframes that could not be read."""
 
     frames: ManhattanFrames
     segments: Segments
     free_patches: FreePatches
     evidence: EvidencePoints
+    problems: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ def usable_rows(table: PoseTable, where: str, first_line: int = 1) -> UsableRows
         advice = "rows are sorted by time; check that this is one recording"
         problems.append(Problem("stamp-unsorted", "stamps go back in time", _line(where, row, first_line), int((steps < 0).sum()), advice))
     index = index[np.argsort(table.stamp_ns[index], kind="stable")]
-    doubled = np.concatenate([[False], np.diff(table.stamp_ns[index]) == 0])
+    doubled = np.concatenate([[False], np.diff(table.stamp_ns[index]) == 0])[: len(index)]  # of no rows, none
     if doubled.any():
         row = int(index[np.argmax(doubled)])
         advice = "the first row of each stamp is kept"

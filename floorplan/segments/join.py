@@ -9,7 +9,7 @@ from floorplan.compass.prior import CompassPrior, heading_walk
 from floorplan.compass.smoothing import smooth_angle
 from floorplan.geometry import rotation_about_z, wrap_to
 from floorplan.model.checks import Array
-from floorplan.model.scan import IngestedScan
+from floorplan.model.scan import IngestedScan, Problem
 from floorplan.model.segment import EvidencePoints, FreePatches, ManhattanFrames, SegmentedScan, Segments
 from floorplan.segments.chunk import join_evidence, join_patches, join_segments, prior_rotation
 from floorplan.segments.rotation import corrections, small_rotation
@@ -43,7 +43,8 @@ def join(scan: IngestedScan, prior: CompassPrior, chunks: Sequence[SegmentedChun
     patches = _turned_patches(join_patches([c.free_patches for c in ordered]), rough, rotations.world_from_sensor)
     evidence = join_evidence([c.evidence for c in ordered], [len(c.segments) for c in ordered])
     segments = _turned_segments(segments, rough, rotations, ripple_m)
-    return SegmentedScan(frames, segments, patches, _for_all_frames(evidence, ordered, len(rough)))
+    problems = counted_problems([problem for chunk in chunks for problem in chunk.problems])
+    return SegmentedScan(frames, segments, patches, _for_all_frames(evidence, ordered, len(rough)), problems)
 
 
 def sensor_ripple_m(chunks: Sequence[SegmentedChunk]) -> float:
@@ -52,6 +53,15 @@ def sensor_ripple_m(chunks: Sequence[SegmentedChunk]) -> float:
     blocks = np.concatenate([np.zeros(0), *(c.blocks for c in chunks)])
     large = blocks >= _LEAST_BLOCKS
     return float(np.sqrt(max(np.median(ripple[large]), 0.0))) if large.any() else 0.0
+
+
+def counted_problems(met: Sequence[Problem]) -> tuple[Problem, ...]:
+    """One problem per code, with the first place and the count of all."""
+    first: dict[str, Problem] = {}
+    for problem in met:
+        known = first.get(problem.code)
+        first[problem.code] = problem if known is None else replace(known, count=known.count + problem.count)
+    return tuple(first.values())
 
 
 def _as_labelled(rough: Array, yaw_sigma: Array) -> _Rotations:

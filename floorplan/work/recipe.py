@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
+from floorplan.work.code import code_fingerprint
 from floorplan.work.stages import REPORTED_ONLY, Stage
 from floorplan.work.values import encode
 
@@ -14,12 +15,13 @@ from floorplan.work.values import encode
 class Recipe:
     """Everything a stage's result depends on; two equal recipes give the same bytes.
 
-    `config` holds the stage's sections as JSON trees; `inputs` the keys of the stages it reads; `scan` the
-    fingerprint of the recording, for `1-ingest` alone.
+    `code` is the fingerprint of the stage's sources; `config` holds the stage's sections as JSON trees;
+    `inputs` the keys of the stages it reads; `scan` the fingerprint of the recording, for `1-ingest` alone.
     """
 
     stage: str
     version: int
+    code: str
     config: Mapping[str, Mapping[str, Any]]
     inputs: Mapping[str, str]
     scan: str = ""
@@ -37,7 +39,8 @@ class Recipe:
 def recipe_of(stage: Stage, config: object, keys: Mapping[str, str], scan: str = "") -> Recipe:
     """The recipe of `stage` under `config`, whose attributes are the sections; `keys` of the stages made so far."""
     sections = {name: _section(name, getattr(config, name)) for name in stage.sections}
-    return Recipe(stage.folder, stage.version, sections, {name: keys[name] for name in stage.inputs}, scan if not stage.inputs else "")
+    inputs = {name: keys[name] for name in stage.inputs}
+    return Recipe(stage.folder, stage.version, code_fingerprint(stage), sections, inputs, scan if not stage.inputs else "")
 
 
 def _section(section: str, values: object) -> dict[str, Any]:
@@ -50,6 +53,8 @@ def differences(made: Mapping[str, Any], now: Recipe) -> tuple[str, ...]:
     found = list(_config_differences(made["config"], now.config))
     if made["version"] != now.version:
         found.append(f"made by version {made['version']} of the stage, now {now.version}")
+    if made.get("code") != now.code:
+        found.append("the program's code for this stage is another one now")
     if made["scan"] != now.scan:
         found.append("the scan's files changed")
     found += [f"{name} was made again" for name, key in now.inputs.items() if made["inputs"].get(name) != key]

@@ -1,4 +1,4 @@
-"""The six stages: their folders, versions, config sections and inputs. Raise `version` when a stage's result changes."""
+"""The six stages: their folders, versions, config sections and inputs. `version` is that of the kept values' layout."""
 
 from dataclasses import dataclass
 
@@ -9,11 +9,12 @@ REPORTED_ONLY = frozenset({"ingest.returns_to_start"})  # settings that only the
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage: `sections` of the configuration it reads, `inputs` folders of the stages it reads."""
+    """One stage: `sections` of the configuration it reads, `modules` its code starts in, `inputs` folders of the stages it reads."""
 
     folder: str
     version: int
     sections: tuple[str, ...]
+    modules: tuple[str, ...]
     inputs: tuple[str, ...] = ()
 
     @property
@@ -22,12 +23,12 @@ class Stage:
         return self.folder.split("-", 1)[1]
 
 
-INGEST = Stage("1-ingest", 1, ("read", "ingest"))
-SEGMENTS = Stage("2-segments", 1, ("compass", "segments"), ("1-ingest",))
-LEAST_SQUARES = Stage("3-least-squares", 1, ("tracking", "least_squares"), ("1-ingest", "2-segments"))
-MERGE = Stage("4-merge", 1, ("merge",), ("3-least-squares",))
-RESOLVE = Stage("5-resolve", 1, ("resolve",), ("3-least-squares", "4-merge"))
-PLAN = Stage("6-plan", 1, ("plan",), ("1-ingest", "2-segments", "3-least-squares", "5-resolve"))
+INGEST = Stage("1-ingest", 1, ("read", "ingest"), ("ingest", "readers"))
+SEGMENTS = Stage("2-segments", 1, ("compass", "segments"), ("chunked_segments", "readers"), ("1-ingest",))
+LEAST_SQUARES = Stage("3-least-squares", 1, ("tracking", "least_squares"), ("initial_layout",), ("1-ingest", "2-segments"))
+MERGE = Stage("4-merge", 1, ("merge",), ("merge",), ("3-least-squares",))
+RESOLVE = Stage("5-resolve", 1, ("resolve",), ("resolve",), ("3-least-squares", "4-merge"))
+PLAN = Stage("6-plan", 1, ("plan",), ("plan.make_plan", "trajectory"), ("1-ingest", "2-segments", "3-least-squares", "5-resolve"))
 STAGES = (INGEST, SEGMENTS, LEAST_SQUARES, MERGE, RESOLVE, PLAN)
 
 
