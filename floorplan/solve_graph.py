@@ -4,7 +4,7 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -29,7 +29,7 @@ class SolvedGraph:
 def solve_graph(
     graph: LayoutGraph,
     config: Config,
-    method: str | None = None,
+    method: Literal["paper", "evidence"] | None = None,
     covariance: bool = True,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> SolvedGraph:

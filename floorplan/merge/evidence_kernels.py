@@ -18,7 +18,8 @@ LOG_TWO_PI = np.log(2 * np.pi)
 @njit(cache=True)
 def score(delta: float, var: float, log_prior: float) -> float:
     """Log odds that a pair is one plane (E8)."""
-    return log_prior - 0.5 * (LOG_TWO_PI + np.log(var) + delta * delta / var)
+    odds: float = log_prior - 0.5 * (LOG_TWO_PI + np.log(var) + delta * delta / var)
+    return odds
 
 
 @njit(cache=True)

@@ -68,7 +68,7 @@ def overlap_share(planes: Planes, pairs: Pairs) -> Array:
     shorter = np.minimum(length[pairs.first], length[pairs.second])
     share = np.clip(-apart / np.maximum(shorter, SHORTEST_M), 0.0, 1.0)
     share[np.arange(len(pairs)), planes.axis[pairs.first]] = 1.0
-    return np.nan_to_num(np.min(share, axis=1))
+    return np.asarray(np.nan_to_num(np.min(share, axis=1)))
 
 
 def _apart_by(planes: Planes, pairs: Pairs) -> Array:

@@ -177,7 +177,7 @@ def _corrected(newton: "_Newton", targets: _Point, centre: float) -> tuple[_Poin
 
 def _pull_back(product: Array, centre: float) -> Array:
     """What brings products into a band about `centre`, itself bounded."""
-    return np.maximum(np.clip(product, centre * NARROW, centre / NARROW) - product, -centre / NARROW)
+    return np.asarray(np.maximum(np.clip(product, centre * NARROW, centre / NARROW) - product, -centre / NARROW))
 
 
 @dataclass(frozen=True)
@@ -286,7 +286,7 @@ def _first_point(problem: BallProblem, inverse: _Blocks) -> _Point:
     size = np.abs(problem.start)
     half = np.full(len(size), 0.5)
     pull = problem.pull(np.sign(problem.start))
-    ball = float(np.sqrt(max(pull @ inverse.solve(pull), 0.0)))
+    ball = float(np.sqrt(max(float(pull @ inverse.solve(pull)), 0.0)))
     slack = np.maximum(-problem.sign_excess, START_SIGN_SLACK)
     width = START_WIDTH * (size.mean() if len(size) else 0.0) + START_WIDTH * START_SIGN_SLACK
     return _Point(np.zeros_like(pull), size + width, half, half, max(ball, START_SIGN_SLACK), np.ones(len(slack)), slack)
@@ -330,7 +330,7 @@ def _optimum(problem: BallProblem, inverse: _Blocks, point: _Point, steps: int) 
     """The point as an answer, with its gap by weak duality: nothing of the iteration is believed."""
     pair_dual, sign_dual = np.clip(point.upper - point.lower, -1, 1), np.maximum(point.sign, 0)
     pull = problem.pull(pair_dual) + problem.sign_rows.T @ sign_dual
-    bound = pair_dual @ problem.start + sign_dual @ problem.sign_excess - np.sqrt(max(pull @ inverse.solve(pull), 0.0))
+    bound = pair_dual @ problem.start + sign_dual @ problem.sign_excess - np.sqrt(max(float(pull @ inverse.solve(pull)), 0.0))
     objective = np.abs(problem.gap(point.z) + problem.start).sum()
     outside = np.maximum(problem.sign_rows @ point.z + problem.sign_excess, 0).sum()
     gap = (abs(objective - bound) + outside) / max(objective, problem.floor)

@@ -79,7 +79,8 @@ def _solve_with(problem: PaperProblem, active: Array) -> PaperAnswer:
 def _border(problem: PaperProblem, active: Array) -> tuple[_Border, Array]:
     """The layout of the unknowns and the least squares at them."""
     graph, axes, centre = problem.graph, [], []
-    track_column, kept_column, start = np.zeros(len(graph.axis), dtype=np.int64), {}, 0
+    track_column, start = np.zeros(len(graph.axis), dtype=np.int64), 0
+    kept_column: dict[tuple[int, int], int] = {}
     active_axis = graph.axis[graph.track[active]]
     for axis in AXES:
         kept = np.unique(graph.frame[active[active_axis == axis]])

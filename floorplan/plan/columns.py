@@ -32,7 +32,7 @@ def _is_side(face: FaceRun, body: Body) -> bool:
     x0, y0, x1, y1 = body.rectangle.bounds
     low, high = ((x0, x1), (y0, y1))[face.axis], ((x0, x1), (y0, y1))[1 - face.axis]
     on_edge = min(abs(face.offset_m - edge) for edge in low) < SAME_EDGE_M
-    return on_edge and face.start_m >= high[0] - SAME_EDGE_M and face.end_m <= high[1] + SAME_EDGE_M
+    return bool(on_edge and face.start_m >= high[0] - SAME_EDGE_M and face.end_m <= high[1] + SAME_EDGE_M)
 
 
 def _is_column(body: Body, bodies: tuple[Body, ...], faces: tuple[FaceRun, ...]) -> bool:

@@ -120,7 +120,7 @@ def _clear_position(stretch: RoomStretch, faces: tuple[FaceRun, ...], taken: lis
 
     def covered(at: float) -> float:
         text = _text_box(faces[stretch.pair.lower], faces[stretch.pair.upper], at)
-        return sum(text.intersection(other).area for other in taken)
+        return float(sum(text.intersection(other).area for other in taken))
 
     places = [stretch.low_m + fraction * (stretch.high_m - stretch.low_m) for fraction in FRACTIONS]
     return min(places, key=covered)

@@ -46,7 +46,7 @@ def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array
                 loose += (length * UNSEEN_EDGE_SIGMA_M) ** 2
             else:
                 gradient[face.run.plane] += length
-    return replace(room, area_sigma_m2=float(np.sqrt(max(gradient @ covariance_m2 @ gradient, 0.0) + loose)))
+    return replace(room, area_sigma_m2=float(np.sqrt(max(float(gradient @ covariance_m2 @ gradient), 0.0) + loose)))
 
 
 def _face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces: tuple[FaceRun, ...]) -> FaceRun | None:
