@@ -8,6 +8,7 @@ from pathlib import Path
 from floorplan.chunked_segments import segment_in_chunks
 from floorplan.config import Config
 from floorplan.config_file import config_to_toml
+from floorplan.corrections import Corrections, Surveyed
 from floorplan.drawings import Drawing, write_drawings
 from floorplan.initial_layout import InitialLayout, initial_layout
 from floorplan.model.graph import LayoutSolution, MergeResult
@@ -18,8 +19,7 @@ from floorplan.readers import Source, open_scan
 from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
-from floorplan.stage_functions import ingest, make_plan, merge, resolve
-from floorplan.trajectory import keyframe_trajectory
+from floorplan.stage_functions import ingest, merge
 from floorplan.work.disk import new_file
 from floorplan.work.fingerprint import scan_fingerprint
 from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
@@ -55,10 +55,10 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
         tell_problems(reporter, segmented.problems)
         layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
         merged = work.stage(MERGE, MergeResult, lambda: merge(layout.graph, layout.least_squares, config.merge), count_merge)
-        solution = work.stage(RESOLVE, LayoutSolution, lambda: resolve(layout.graph, merged, config.resolve), count_solution)
-        keyframes = keyframe_trajectory(scan, segmented.frames.world_from_sensor, solution.position_m)
-        plan = work.stage(PLAN, Plan, lambda: make_plan(scan, segmented, layout.tracks, solution, keyframes, config.plan), count_plan)
-        results = Results(scan, segmented, layout, merged, solution, plan)
+        corrected, known = Corrections(config, work.path, reporter), Surveyed(scan, segmented, layout, merged)
+        solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
+        plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
+        results = Results(scan, segmented, layout, merged, solution, corrected.named(plan))
         table = write_root_files(results, job.scan, work.path, config)
         write_drawings(results, table, job.scan, job.drawings, config, reporter)
         return results

@@ -97,6 +97,14 @@ class ResolveConfig:
 
 
 @dataclass(frozen=True)
+class CorrectionsConfig:
+    """What a person adds to the scan, in `5-resolve`."""
+
+    laser_file: str = ""  # distances measured by hand, as by --laser; empty: none
+    laser_sha256: str = ""  # of that file, filled in by the program: a changed file is a changed setting
+
+
+@dataclass(frozen=True)
 class PlanConfig:
     """Stage `6-plan`."""
 
@@ -154,6 +162,7 @@ class Config:
     least_squares: LeastSquaresConfig = field(default_factory=LeastSquaresConfig)
     merge: MergeConfig = field(default_factory=MergeConfig)
     resolve: ResolveConfig = field(default_factory=ResolveConfig)
+    corrections: CorrectionsConfig = field(default_factory=CorrectionsConfig)
     plan: PlanConfig = field(default_factory=PlanConfig)
     drawing: DrawingConfig = field(default_factory=DrawingConfig)
     project: ProjectConfig = field(default_factory=ProjectConfig)

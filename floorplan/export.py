@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from floorplan.config import Config
+from floorplan.corrections import with_known_ids
 from floorplan.drawings import Drawing, write_drawings
 from floorplan.errors import WorkFolderError
 from floorplan.graph_file import save_graph
@@ -44,7 +45,7 @@ def read_results(work: Path) -> Results:
         layout=_finished(work, LEAST_SQUARES, InitialLayout),
         merged=_finished(work, MERGE, MergeResult),
         solution=_finished(work, RESOLVE, LayoutSolution),
-        plan=_finished(work, PLAN, Plan),
+        plan=with_known_ids(_finished(work, PLAN, Plan), work),
     )
 
 

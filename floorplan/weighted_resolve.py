@@ -1,5 +1,7 @@
 """Re-solve with whitened rows: the accepted equivalences as equalities, and the joint covariance of the planes."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
@@ -8,12 +10,18 @@ from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution
 from floorplan.model.noise import ScanNoise
+from floorplan.model.ties import DistanceTies
 from floorplan.rows import residual_norm
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
 
 
-def weighted_resolve(graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise, keep_covariance: bool = True) -> LayoutSolution:
-    """Planes, positions and covariance under `noise`; a track is its plane plus a bias of `noise.bias_sigma_m` (E10)."""
+def weighted_resolve(
+    graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise, keep_covariance: bool = True, ties: DistanceTies | None = None
+) -> LayoutSolution:
+    """Planes, positions and covariance under `noise`; a track is its plane plus a bias of `noise.bias_sigma_m` (E10).
+
+    `ties` are distances between final planes measured by hand: further rows, each with its sigma.
+    """
     planes = merged_graph(graph, plane_of_track)
     count = len(planes.axis)
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
@@ -26,7 +34,7 @@ def weighted_resolve(graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise
         mine, member = np.unique(plane_of_track[system.tracks], return_inverse=True)
         tracks = len(system.tracks)
         blurred = spread[:tracks, :tracks] + noise.bias_sigma_m**2 * np.eye(tracks)
-        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(columns[:tracks], blurred, member, len(mine))
+        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(columns[:tracks], blurred, member, _tie_rows(ties, mine))
         place[:, list(axes)] = positions(system, columns + spread[:, :tracks] @ pulled)
     cross = planes.axis[:, None] != planes.axis[None, :]
     covariance[cross] = 0.0
@@ -43,12 +51,41 @@ def weighted_resolve(graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise
     )
 
 
-def _joined(offset_m: Array, blurred: Array, member: Array, planes: int) -> tuple[Array, Array, Array]:
+@dataclass(frozen=True)
+class _TieRows:
+    """Measured distances of one system: `H (T, planes)`, `length_m (T,)`, `variance_m2 (T,)`."""
+
+    H: Array
+    length_m: Array
+    variance_m2: Array
+    scale_sigma: float = 0.0
+
+
+def _tie_rows(ties: DistanceTies | None, mine: Array) -> _TieRows:
+    """The ties whose planes are among `mine`, in that order of the planes."""
+    if ties is None:
+        return _TieRows(np.zeros((0, len(mine))), np.zeros(0), np.zeros(0))
+    kept = ties.only(np.isin(ties.lower, mine) & np.isin(ties.upper, mine))
+    return _TieRows(kept.matrix(int(mine.max()) + 1)[:, mine], kept.length_m, kept.sigma_m**2, ties.scale_sigma)
+
+
+def _joined(offset_m: Array, blurred: Array, member: Array, ties: _TieRows) -> tuple[Array, Array, Array]:
     """Generalised least squares of `offset = G plane + error`, covariance `blurred` Q: planes, theirs, `Q^-1 (G plane - offset)`."""
-    G = np.zeros((len(member), planes))
+    G = np.zeros((len(member), ties.H.shape[1]))
     G[np.arange(len(member)), member] = 1.0
     factor = cho_factor(blurred, lower=True)
     heavy = cho_solve(factor, G)
     covariance = np.linalg.inv(G.T @ heavy)
     plane = covariance @ (heavy.T @ offset_m)
+    plane, covariance = _tied(plane, covariance, ties)
     return plane, covariance, np.asarray(cho_solve(factor, G @ plane - offset_m))
+
+
+def _tied(plane: Array, covariance: Array, ties: _TieRows) -> tuple[Array, Array]:
+    """Planes and covariance once the measured distances are rows too (E11)."""
+    covariance = covariance + ties.scale_sigma**2 * np.outer(plane, plane)
+    if not len(ties.length_m):
+        return plane, covariance
+    felt = covariance @ ties.H.T
+    gain = np.linalg.solve(ties.H @ felt + np.diag(ties.variance_m2), felt.T).T
+    return plane + gain @ (ties.length_m - ties.H @ plane), covariance - gain @ felt.T

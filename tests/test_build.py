@@ -15,6 +15,7 @@ import pytest
 from floorplan.build import Job, build
 from floorplan.config import Config
 from floorplan.config_file import load_config
+from floorplan.corrections import with_laser
 from floorplan.errors import WorkFolderError
 from floorplan.export import export_graph, read_merges, read_results
 from floorplan.graph_file import load_graph
@@ -29,6 +30,7 @@ ROOT_FILES = {
     "trajectory-compass.tum",
     "trajectory-least-squares.tum",
     "config.toml",
+    "ids.json",
     "work.json",
 }
 
@@ -196,3 +198,21 @@ def test_finished_stages_are_read_back_whole(work: Path) -> None:
     results = read_results(work)
     assert len(results.plan.planes) == len(results.solution.plane_axis)
     assert len(results.segmented.frames.measured) == len(results.scan.keyframe)
+
+
+def test_distances_by_tape_calibrate_the_plan_and_leave_no_trace_when_withdrawn(scan: Path, work: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "flat"
+    shutil.copytree(work, folder)
+    before = made_bytes(folder)
+    plain = json.loads((folder / "plan.json").read_text())
+    spans = {d["id"]: d for d in plain["dimensions"] if d["axis"] != 2}
+    laser = tmp_path / "laser.csv"
+    laser.write_text("id,measured_m\n" + "".join(f"{id},{1.01 * d['distance_m']:.4f}\n" for id, d in list(spans.items())[:4]), "utf-8")
+    assert build(Job(scan, folder, with_laser(Config(), laser))) is not None
+    plan = json.loads((folder / "plan.json").read_text())
+    ratios = [d["distance_m"] / spans[d["id"]]["distance_m"] for d in plan["dimensions"] if d["id"] in spans]
+    assert len(ratios) >= len(spans) - 1
+    assert max(abs(ratio - 1.01) for ratio in ratios) < 0.004
+    assert plan["shift_m"][:2] == plain["shift_m"][:2]
+    assert build(Job(scan, folder)) is not None
+    assert made_bytes(folder) == before

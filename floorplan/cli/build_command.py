@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from floorplan.cli import options as o
+from floorplan.cli.calibration_table import print_calibration
 from floorplan.cli.console import ConsoleReporter, echo, echo_table
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def build(
     settings: o.Settings = None,
     from_stage: Annotated[str | None, typer.Option("--from", metavar="STAGE", help="Make this stage and what follows again.")] = None,
     until_stage: Annotated[str | None, typer.Option("--until", metavar="STAGE", help="Stop after this stage.")] = None,
+    laser: Annotated[Path | None, typer.Option("--laser", metavar="F.csv", help="Distances measured by hand: calibrates the plan.")] = None,
     format: o.Format = None,
     units: o.Units = None,
     scale: o.Scale = None,
@@ -49,8 +51,10 @@ def build(
     o.check_scan(scan)
     from floorplan.build import Job
     from floorplan.build import build as run
+    from floorplan.corrections import with_laser
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    effective = with_laser(effective, laser)
     job = Job(scan, work or o.default_work(scan), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     results = run(job, reporter)
     if results is not None and not quiet:
@@ -69,6 +73,8 @@ def _print_numbers(job: "Job", results: "Results") -> None:
         ]
     )
     echo_table((d.id, f"{d.distance_m:.3f} m", f"+-{1.96 * d.sigma_m:.3f}", d.room) for d in plan.dimensions[:NAMED_DIMENSIONS])
+    if results.solution.calibration is not None:
+        print_calibration(results.solution.calibration)
     for note in plan.notes:
         echo(f"note: {note}")
     for file in (*(drawing.path for drawing in job.drawings), job.work):

@@ -7,6 +7,7 @@ import numpy as np
 
 from floorplan.model.checks import Array, freeze
 from floorplan.model.noise import ScanNoise
+from floorplan.model.ties import Calibration
 
 
 @dataclass(frozen=True)
@@ -170,6 +171,7 @@ class LayoutSolution:
     plane_covariance_m2: Array | None
     residual_m: float
     sigma_inflation: float = 1.0
+    calibration: Calibration | None = None  # by distances measured by hand
 
     def __post_init__(self) -> None:
         freeze(

@@ -35,7 +35,7 @@ def make_plan(
     scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks, solution: LayoutSolution, trajectory: Trajectory, config: PlanConfig
 ) -> Plan:
     """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
-    world = in_plan_frame(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)))
+    world = _framed(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)), solution)
     planes, covariance = plan_planes(world, solution), joint_covariance(solution)
     ids = tuple(plane.id for plane in planes)
     surfaces = wall_surfaces(world, config)
@@ -111,6 +111,12 @@ def plan_notes(rooms: tuple[Room, ...], lines: tuple[FreeLine, ...], world: Plan
     elif not world.floor_seen:
         notes.append("No floor was seen: heights are not above the floor, and what reaches wall height is uncertain.")
     return tuple(notes)
+
+
+def _framed(world: PlanWorld, solution: LayoutSolution) -> PlanWorld:
+    """In the plan frame; a calibrated plan lies where the plan lay that the distances were measured in."""
+    known = solution.calibration
+    return in_plan_frame(world) if known is None else in_plan_frame(world, known.plan_quarters, known.plan_shift_m)
 
 
 def joint_covariance(solution: LayoutSolution) -> Array:

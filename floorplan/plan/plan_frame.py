@@ -128,10 +128,15 @@ def on_the_floor(world: PlanWorld) -> PlanWorld:
     return replace(moved(world, 0, np.array([0.0, 0.0, -floor])), floor_seen=True)
 
 
-def in_plan_frame(world: PlanWorld, quarters: int | None = None) -> PlanWorld:
-    """The world turned so that the longest wall runs along x (unless `quarters` are given), its lower left corner at the origin."""
+def in_plan_frame(world: PlanWorld, quarters: int | None = None, shift_m: tuple[float, float] | None = None) -> PlanWorld:
+    """The world turned so that the longest wall runs along x (unless `quarters` are given), its lower left corner at the origin.
+
+    `shift_m` instead of that corner keeps the frame of an earlier plan.
+    """
     turns = (0 if _longest_runs_along_x(world) else 1) if quarters is None else quarters
     turned = moved(world, turns, np.zeros(3))
+    if shift_m is not None:
+        return moved(turned, 0, np.array([*shift_m, 0.0]))
     low = [_lowest_offset(turned, axis) for axis in (AXIS_X, AXIS_Y)]
     return moved(turned, 0, -np.array([*low, 0.0]))
 

@@ -1,0 +1,111 @@
+"""What a person adds to a scan: distances measured by hand. The two last stages with them."""
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from floorplan.config import Config
+from floorplan.errors import InputError, UsageError
+from floorplan.initial_layout import InitialLayout
+from floorplan.laser.spans import Span, find_span
+from floorplan.laser.table import BadRow, LaserTable, read_laser
+from floorplan.model.graph import LayoutSolution, MergeResult
+from floorplan.model.plan import Plan
+from floorplan.model.scan import IngestedScan
+from floorplan.model.segment import SegmentedScan
+from floorplan.model.ties import Calibration
+from floorplan.plan_names import NAME, Book, book_text, load_book, named
+from floorplan.reporting import Reporter, SilentReporter
+from floorplan.stage_functions import make_plan, resolve
+from floorplan.trajectory import keyframe_trajectory
+from floorplan.work.disk import clear_disk_errors, new_file
+
+
+@dataclass(frozen=True)
+class Surveyed:
+    """What is known of the scan before the two last stages."""
+
+    scan: IngestedScan
+    segmented: SegmentedScan
+    layout: InitialLayout
+    merged: MergeResult
+
+
+@dataclass
+class Corrections:
+    """The corrections of one job on the work folder `work`; the book of ids grows with every plan that is named."""
+
+    config: Config
+    work: Path
+    reporter: Reporter = field(default_factory=SilentReporter)
+
+    def solution(self, known: Surveyed) -> LayoutSolution:
+        """The re-solve, with the measured distances where there are any. Raises UsageError for a merge that has no covariance."""
+        plain = resolve(known.layout.graph, known.merged, self.config.resolve)
+        if not self.config.corrections.laser_file:
+            return plain
+        if known.merged.noise is None:
+            raise UsageError("--laser needs the weighted rows of merge.method = evidence; the published merge has none")
+        if plain.plane_covariance_m2 is None:
+            plain = resolve(known.layout.graph, known.merged, replace(self.config.resolve, covariance=True))
+        return self._calibrated(known, plain, read_laser(Path(self.config.corrections.laser_file)))
+
+    def plan(self, known: Surveyed, solution: LayoutSolution) -> Plan:
+        """The plan of a solution; the depth points follow its scale."""
+        keyframes = keyframe_trajectory(known.scan, known.segmented.frames.world_from_sensor, solution.position_m)
+        scale = solution.calibration.scale if solution.calibration else 1.0
+        segmented = known.segmented if scale == 1.0 else scaled_segments(known.segmented, scale)
+        return make_plan(known.scan, segmented, known.layout.tracks, solution, keyframes, self.config.plan)
+
+    def named(self, plan: Plan) -> Plan:
+        """The plan under the ids its things had in earlier builds."""
+        return with_known_ids(plan, self.work)
+
+    def _calibrated(self, known: Surveyed, plain: LayoutSolution, table: LaserTable) -> LayoutSolution:
+        base = self.named(self.plan(known, plain))
+        found = [find_span(base, row) for row in table.rows]
+        bad = [*table.bad, *(BadRow(row.line, text) for row, text in zip(table.rows, found, strict=True) if isinstance(text, str))]
+        for one in sorted(bad, key=lambda one: one.line):
+            self.reporter.message(f"not used: {one.text}")
+        spans = tuple(span for span in found if isinstance(span, Span))
+        if not spans:
+            raise InputError(f"{self.config.corrections.laser_file}: none of its {len(table.rows) + len(table.bad)} rows can be used")
+        from floorplan.laser.calibrate import calibrate
+
+        solution = calibrate(known.layout.graph, known.merged, plain, spans)
+        return solution if solution.calibration is None else replace(solution, calibration=_framed(solution.calibration, base))
+
+
+def _framed(calibration: Calibration, plan: Plan) -> Calibration:
+    shift = float(plan.shift_m[0]), float(plan.shift_m[1])
+    return replace(calibration, plan_quarters=plan.rotation_quarters, plan_shift_m=shift)
+
+
+def with_known_ids(plan: Plan, work: Path) -> Plan:
+    """The plan under the ids of the work folder's book, to which its new things are added."""
+    book: Book = load_book(work)
+    result = named(plan, book)
+    if result.book != book:
+        with clear_disk_errors(work), new_file(work / NAME) as making:
+            making.write_text(book_text(result.book), "utf-8")
+    return result.plan
+
+
+def scaled_segments(segmented: SegmentedScan, scale: float) -> SegmentedScan:
+    """Depth points and off-axis patches times `scale`."""
+    points, patches = segmented.evidence, segmented.free_patches
+    return replace(
+        segmented,
+        evidence=replace(points, point_sensor_m=points.point_sensor_m * scale),
+        free_patches=replace(patches, start_m=patches.start_m * scale, end_m=patches.end_m * scale, height_m=patches.height_m * scale),
+    )
+
+
+def with_laser(config: Config, laser: Path | None) -> Config:
+    """The configuration that uses the measured distances of a file. Raises InputError when it cannot be read."""
+    path = str(laser.resolve()) if laser is not None else config.corrections.laser_file
+    digest = ""
+    if path:
+        read_laser(Path(path))
+        digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    return replace(config, corrections=replace(config.corrections, laser_file=path, laser_sha256=digest))
