@@ -16,6 +16,7 @@ from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan, Problem, Trajectory
 from floorplan.model.segment import SegmentedScan
+from floorplan.plan_names import NAME as BOOK_NAME
 from floorplan.summary import Summary, Trajectories, summarise
 from floorplan.trajectory import PlanFrame, every_frame, in_plan_frame, keyframe_trajectory, odometry_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
@@ -100,9 +101,10 @@ def write_root_files(results: Results, scan_path: Path, work: Path, config: Conf
 
 
 def root_key(work: Path, returns_to_start: bool) -> str:
-    """What the root files depend on: the stages by their keys, the program's version, and the one setting that only the summary reads."""
+    """What the root files depend on: the stages by their keys, the book of ids, the version, the setting that only the summary reads."""
     keys = [record["key"] for record in _records(work).values()]
-    return hashlib.sha256(json.dumps([*keys, __version__, returns_to_start]).encode()).hexdigest()[:ROOT_KEY_DIGITS]
+    book = (work / BOOK_NAME).read_text("utf-8") if (work / BOOK_NAME).exists() else ""
+    return hashlib.sha256(json.dumps([*keys, book, __version__, returns_to_start]).encode()).hexdigest()[:ROOT_KEY_DIGITS]
 
 
 def _kept_summary(work: Path, key: str) -> Summary | None:
