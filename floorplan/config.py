@@ -20,6 +20,7 @@ class ReadConfig:
     world_up: str = ""  # axis of the odometry's world that points up: "+z", "-y", ...
     range_topic: str = ""  # of a ROS bag: depth images, sweeps or clouds; empty: the only one there is
     pose_topic: str = ""  # of a ROS bag: Odometry, PoseStamped, ...; empty: the only one there is, else tf
+    imu_topic: str = ""  # of a ROS bag: the accelerometer that tells a camera's gravity; empty: the one named most like the images
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ def build(
     until_stage: Annotated[str | None, typer.Option("--until", metavar="STAGE", help="Stop after this stage.")] = None,
     laser: Annotated[Path | None, typer.Option("--laser", metavar="F.csv", help="Distances measured by hand: calibrates the plan.")] = None,
     format: o.Format = None,
+    topics: o.Topics = None,
     units: o.Units = None,
     scale: o.Scale = None,
     sheet: o.Sheet = None,
@@ -45,7 +46,7 @@ def build(
     from floorplan.work.stages import stage_named
 
     reporter = ConsoleReporter(quiet, verbose)
-    effective = o.effective_config(config, settings, units=units, scale=scale, sheet=sheet)
+    effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics)], units=units, scale=scale, sheet=sheet)
     redo_from = stage_named(from_stage) if from_stage else None
     until = stage_named(until_stage) if until_stage else None
     o.check_scan(scan)

@@ -15,11 +15,12 @@ def info(
     config: o.ConfigFile = None,
     settings: o.Settings = None,
     format: o.Format = None,
+    topics: o.Topics = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
 ) -> None:
     """What is in a recording, and what 'build' would complain about."""
-    effective = o.effective_config(config, settings)
+    effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics)])
     o.check_scan(scan)
     from floorplan.inspection import inspect_scan
     from floorplan.readers import open_scan

@@ -14,6 +14,9 @@ Work = Annotated[Path, typer.Argument(metavar="WORK", help="The work folder of a
 Format = Annotated[str | None, typer.Option("--format", metavar="NAME", help="Format of the recording (default: recognised).")]
 ConfigFile = Annotated[Path | None, typer.Option("--config", metavar="F.toml", help="Settings file; see 'floorplan config'.")]
 Settings = Annotated[list[str] | None, typer.Option("--set", metavar="SECTION.KEY=VALUE", help="Change one setting (repeatable).")]
+Topics = Annotated[
+    list[str] | None, typer.Option("--topic", metavar="depth|pose|imu=NAME", help="Topic of a ROS bag to read (repeatable).")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Errors only.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more: why each stage is made.")]
@@ -30,6 +33,13 @@ Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="U
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]
 
+TOPIC_SETTINGS = {  # what `--topic` calls the topics: sweeps and clouds are read in the place of depth
+    "depth": "read.range_topic",
+    "range": "read.range_topic",
+    "pose": "read.pose_topic",
+    "imu": "read.imu_topic",
+}
+
 
 def effective_config(path: Path | None, settings: list[str] | None, **drawing: str | None) -> "Config":
     """The configuration of the file, `--set`, and the options that are short for settings of `[drawing]`."""
@@ -37,6 +47,19 @@ def effective_config(path: Path | None, settings: list[str] | None, **drawing: s
 
     short = [f"drawing.{name}={value}" for name, value in drawing.items() if value is not None]
     return load_config(path, [*(settings or []), *short])
+
+
+def topic_settings(topics: list[str] | None) -> list[str]:
+    """`--topic depth=/x` and the like as settings. Raises `UsageError` for any other role than depth, pose, imu."""
+    from floorplan.errors import UsageError
+
+    settings = []
+    for text in topics or []:
+        role, _, name = text.partition("=")
+        if role not in TOPIC_SETTINGS or not name:
+            raise UsageError(f"--topic {text}: write one of {', '.join(f'{known}=NAME' for known in TOPIC_SETTINGS)}")
+        settings.append(f"{TOPIC_SETTINGS[role]}={name}")
+    return settings
 
 
 def asked_drawings(csv: Path | None, **files: Path | None) -> tuple["Drawing", ...]:

@@ -1,7 +1,7 @@
 """ROS 1 and ROS 2 bags: depth images with CameraInfo, LaserScan, organised PointCloud2; poses from Odometry, PoseStamped or tf."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,18 +11,16 @@ from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.geometry import quat_xyzw_from_rotation
 from floorplan.model.checks import Array
-from floorplan.model.scan import Frame, GravitySource, Problem, Recording, Sensor, SensorKind
+from floorplan.model.scan import Frame, GravitySource, Problem, Recording
 from floorplan.readers.base import BadFrame
 from floorplan.readers.pose_table import PoseTable
 from floorplan.readers.ros_bag import bag_paths, messages, topics_of
 from floorplan.readers.ros_decode import grid_points, stamp_ns_of
+from floorplan.readers.ros_gravity import with_gravity
 from floorplan.readers.ros_index import index_bag
 from floorplan.readers.ros_sensor import ray_table, sensor_of
 from floorplan.readers.ros_topics import choose_topics
-from floorplan.readers.row_checks import usable_rows
-from floorplan.readers.world_up import down_in_sensor, named_axis
-
-Z_UP = np.array([0.0, 0.0, 1.0])  # REP 103: odometry frames of robots
+from floorplan.readers.row_checks import pose_gaps, usable_rows
 
 
 @dataclass(frozen=True)
@@ -90,33 +88,25 @@ def _increasing_runs(rows: list[int]) -> list[list[int]]:
 
 
 def _open(paths: tuple[Path, ...], config: ReadConfig) -> BagScan:
-    chosen = choose_topics(paths, topics_of(paths), config.range_topic, config.pose_topic)
+    chosen = choose_topics(paths, topics_of(paths), config)
     index = index_bag(paths, chosen)
     sensor = sensor_of(index, chosen.ranges.type, config)
     poses = index.sensor_poses()
-    table = PoseTable(index.stamp_ns, poses.position_m, np.where(poses.known[:, None], quat_xyzw_from_rotation(poses.rotation), np.nan))
-    usable = usable_rows(table, chosen.ranges.name)
-    if not len(usable.index):
+    table = PoseTable(index.stamp_ns, poses.position_m, quat_xyzw_from_rotation(poses.rotation))
+    gaps = pose_gaps(index.stamp_ns, poses.known, chosen.ranges.name)
+    usable = usable_rows(table.rows(np.flatnonzero(poses.known)), chosen.ranges.name)
+    rows = np.flatnonzero(poses.known)[usable.index]
+    if not len(rows):
         raise InputError(f"{paths[0]}: no message of {chosen.ranges.name} has a pose at its time: record odometry over the same time")
-    rotation = poses.rotation[usable.index]
+    rotation = poses.rotation[rows]
     recording = Recording(
         format="ros",
         sensor=sensor,
-        stamp_ns=index.stamp_ns[usable.index],
-        position_m=poses.position_m[usable.index],
+        stamp_ns=index.stamp_ns[rows],
+        position_m=poses.position_m[rows],
         odom_from_sensor=rotation,
         down_sensor=np.full((len(rotation), 3), np.nan),
         gravity_source=GravitySource.UNKNOWN,
-        problems=index.problems + usable.problems,
+        problems=index.problems + gaps + usable.problems,
     )
-    recording = _with_gravity(recording, sensor, config.world_up)
-    return BagScan(recording, paths, chosen.ranges.name, index.log_ns[usable.index], ray_table(sensor))
-
-
-def _with_gravity(recording: Recording, sensor: Sensor, world_up: str) -> Recording:
-    """Robots' odometry is level by convention; a camera's world is left to be tested against floor and ceiling."""
-    if sensor.kind is SensorKind.CAMERA and not world_up:
-        return recording
-    down = down_in_sensor(named_axis(world_up) if world_up else Z_UP, recording.odom_from_sensor)
-    source = GravitySource.LEVEL if sensor.kind is SensorKind.LASER else GravitySource.WORLD
-    return replace(recording, down_sensor=down, gravity_source=source)
+    return BagScan(with_gravity(recording, index, config.world_up), paths, chosen.ranges.name, index.log_ns[rows], ray_table(sensor))

@@ -1,14 +1,15 @@
-"""ROS 1 and ROS 2 bags as a stream of messages: the one module that imports rosbags."""
+"""ROS 1 and ROS 2 bags as a stream of messages, whole ones and cut ones: the one module that imports rosbags."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from floorplan.errors import InputError
+from floorplan.model.scan import Problem
+from floorplan.readers.cut_bag import METADATA, CutContents, cut_contents, cut_files
 
 BAG_SUFFIXES = (".bag", ".db3", ".mcap")
-METADATA = "metadata.yaml"
 REPAIR = {
     ".bag": "`rosbag reindex` rebuilds its index",
     ".mcap": "`mcap recover` writes what is there to a new file",
@@ -46,8 +47,14 @@ def bag_paths(path: Path) -> tuple[Path, ...]:
 
 def topics_of(paths: tuple[Path, ...]) -> tuple[Topic, ...]:
     """Topics of a bag, by name. Raises `InputError` when the bag cannot be opened."""
-    with _opened(paths) as reader:
-        return tuple(Topic(name, info.msgtype or "", info.msgcount) for name, info in sorted(reader.topics.items()))
+    with _opened(paths) as bag:
+        return bag.topics()
+
+
+def bag_problems(paths: tuple[Path, ...]) -> tuple[Problem, ...]:
+    """What is wrong with the bag as a whole: how much is missing of one that was cut off."""
+    files = cut_files(paths)
+    return (cut_contents(files).problem(),) if files else ()
 
 
 def messages(paths: tuple[Path, ...], topics: Collection[str], log_ns: Collection[int] = ()) -> Iterator[BagMessage]:
@@ -56,14 +63,67 @@ def messages(paths: tuple[Path, ...], topics: Collection[str], log_ns: Collectio
     Raises `InputError` where the bag turns out to be damaged, after what could be read.
     """
     wanted = frozenset(log_ns)
-    span = (min(wanted), max(wanted) + 1) if wanted else (None, None)
-    with _opened(paths) as reader:
-        connections = [c for c in reader.connections if c.topic in topics]
+    start, stop = (min(wanted), max(wanted) + 1) if wanted else (None, None)
+    with _opened(paths) as bag:
+        yield from bag.messages(topics, wanted, start, stop)
+
+
+class _Bag(Protocol):
+    """An open bag, whole or cut."""
+
+    def topics(self) -> tuple[Topic, ...]: ...
+
+    def messages(self, topics: Collection[str], wanted: frozenset[int], start: int | None, stop: int | None) -> Iterator[BagMessage]:
+        """Decoded messages; only those written at the `wanted` times, unless there are none."""
+        ...
+
+
+@dataclass(frozen=True)
+class _WholeBag:
+    reader: Any
+
+    def topics(self) -> tuple[Topic, ...]:
+        return tuple(Topic(name, info.msgtype or "", info.msgcount) for name, info in sorted(self.reader.topics.items()))
+
+    def messages(self, topics: Collection[str], wanted: frozenset[int], start: int | None, stop: int | None) -> Iterator[BagMessage]:
+        connections = [c for c in self.reader.connections if c.topic in topics]
         if not connections:
             return
-        for connection, written_ns, raw in reader.messages(connections, start=span[0], stop=span[1]):
+        for connection, written_ns, raw in self.reader.messages(connections, start=start, stop=stop):
             if not wanted or written_ns in wanted:
-                yield BagMessage(connection.topic, connection.msgtype, written_ns, reader.deserialize(raw, connection.msgtype))
+                yield BagMessage(connection.topic, connection.msgtype, written_ns, self.reader.deserialize(raw, connection.msgtype))
+
+
+@dataclass(frozen=True)
+class _CutBag:
+    contents: CutContents
+
+    def topics(self) -> tuple[Topic, ...]:
+        return tuple(Topic(topic.name, topic.type, topic.count) for topic in self.contents.topics)
+
+    def messages(self, topics: Collection[str], wanted: frozenset[int], start: int | None, stop: int | None) -> Iterator[BagMessage]:
+        types = {topic.name: topic.type for topic in self.contents.topics}
+        store, ros1 = _types_of(self.contents), self.contents.files[0].suffix == ".bag"
+        decode = store.deserialize_ros1 if ros1 else store.deserialize_cdr
+        for topic, written_ns, raw in self.contents.messages(topics, start, stop):
+            if not wanted or written_ns in wanted:
+                yield BagMessage(topic, types[topic], written_ns, decode(raw, types[topic]))
+
+
+def _types_of(contents: CutContents) -> Any:
+    """The usual message types, replaced by those that the bag defines itself."""
+    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+    ros1 = contents.files[0].suffix == ".bag"
+    types = dict(get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE).fielddefs)
+    for told in contents.definitions:
+        if told.encoding == "ros2idl":
+            types.update(get_types_from_idl(told.definition))
+        else:
+            types.update(get_types_from_msg(told.definition, told.type))
+    store = get_typestore(Stores.EMPTY)
+    store.register(types)
+    return store
 
 
 class _opened:  # noqa: N801 - a context manager, used like a function
@@ -71,8 +131,12 @@ class _opened:  # noqa: N801 - a context manager, used like a function
 
     def __init__(self, paths: tuple[Path, ...]) -> None:
         self.paths = paths
+        self.reader: Any = None
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> _Bag:
+        files = cut_files(self.paths)
+        if files and (contents := cut_contents(files)).blocks:
+            return _CutBag(contents)
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import Stores, get_typestore
 
@@ -82,13 +146,14 @@ class _opened:  # noqa: N801 - a context manager, used like a function
         except (AnyReaderError, OSError) as error:
             remedy = REPAIR.get(self.paths[0].suffix, "check that all files of the bag are there")
             raise InputError(f"{self.paths[0]}: the bag cannot be opened: {error}. If it was cut off: {remedy}") from error
-        return self.reader
+        return _WholeBag(self.reader)
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         from rosbags.highlevel import AnyReaderError
         from rosbags.rosbag1 import ReaderError as ReaderError1
         from rosbags.rosbag2 import ReaderError as ReaderError2
 
-        self.reader.close()
+        if self.reader is not None:
+            self.reader.close()
         if isinstance(error, AnyReaderError | ReaderError1 | ReaderError2 | OSError):
             raise InputError(f"{self.paths[0]}: the bag is damaged: {error}") from error

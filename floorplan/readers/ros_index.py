@@ -9,12 +9,20 @@ import numpy as np
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Problem
-from floorplan.readers.ros_bag import messages
+from floorplan.readers.ros_bag import bag_problems, messages
 from floorplan.readers.ros_decode import stamp_ns_of
-from floorplan.readers.ros_topics import CAMERA_INFO, OLD_TF, TF, ChosenTopics
+from floorplan.readers.ros_topics import CAMERA_INFO, IMU, OLD_TF, TF, ChosenTopics
 from floorplan.readers.ros_transforms import Poses, TimedPose, TransformTree, poses_at, table_of
 
 STATIC_TOPIC = "/tf_static"
+
+
+@dataclass(frozen=True)
+class Force:
+    """One reading of an accelerometer: specific force in the IMU's axes, pointing up at rest."""
+
+    stamp_ns: int
+    force_m_s2: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -34,6 +42,8 @@ class BagIndex:
     posed_frame: str
     tree: TransformTree
     problems: tuple[Problem, ...]
+    imu: tuple[Force, ...] = ()
+    imu_frame: str = ""
 
     def sensor_poses(self) -> Poses:
         """Pose of the sensor at each range message, in the frame of the odometry."""
@@ -48,12 +58,12 @@ class BagIndex:
 def index_bag(paths: tuple[Path, ...], chosen: ChosenTopics) -> BagIndex:
     """The index of a bag. Raises `InputError` when not one range message can be read."""
     gathered = _Gathered(chosen)
-    problems: tuple[Problem, ...] = ()
+    problems = bag_problems(paths)
     try:
         for message in messages(paths, gathered.topics()):
             gathered.add(message.topic, message.type, message.log_ns, message.value)
     except InputError as error:
-        problems = (Problem("file-damaged", str(error), str(paths[0]), advice="what was read before is used"),)
+        problems += (Problem("file-damaged", str(error), str(paths[0]), advice="what was read before is used"),)
     if gathered.first is None:
         raise InputError(f"{paths[0]}: no frames: no message of {chosen.ranges.name} can be read")
     return gathered.index(problems)
@@ -71,10 +81,12 @@ class _Gathered:
         self.poses: list[TimedPose] = []
         self.posed_frame = ""
         self.tree = TransformTree()
+        self.imu: list[Force] = []
+        self.imu_frame = ""
 
     def topics(self) -> set[str]:
         """Names of the topics to read."""
-        others = [t.name for t in (self.chosen.camera_info, self.chosen.pose) if t]
+        others = [t.name for t in (self.chosen.camera_info, self.chosen.pose, self.chosen.imu) if t]
         return {self.chosen.ranges.name, *others, *self.chosen.tf}
 
     def add(self, topic: str, type: str, log_ns: int, value: Any) -> None:
@@ -85,6 +97,10 @@ class _Gathered:
             self.first = value if self.first is None else self.first
         elif type == CAMERA_INFO:
             self.camera_info = value if self.camera_info is None else self.camera_info
+        elif type == IMU:
+            force = value.linear_acceleration
+            self.imu.append(Force(stamp_ns_of(value), (float(force.x), float(force.y), float(force.z))))
+            self.imu_frame = value.header.frame_id.lstrip("/")
         elif type in (TF, OLD_TF):
             for edge in value.transforms:
                 pose = _transform_pose(edge)
@@ -110,7 +126,8 @@ class _Gathered:
             advice = "the poses are taken for the sensor's own; record /tf_static too"
             problems += (Problem("transform-missing", message, advice=advice),)
         stamps, logs = np.array(self.stamps, dtype=np.int64), np.array(self.logs, dtype=np.int64)
-        return BagIndex(stamps, logs, frame, self.first, self.camera_info, self.poses, self.posed_frame, self.tree, problems)
+        seen = (self.first, self.camera_info, self.poses, self.posed_frame, self.tree)
+        return BagIndex(stamps, logs, frame, *seen, problems, tuple(self.imu), self.imu_frame)
 
 
 def _transform_pose(edge: Any) -> TimedPose:

@@ -43,6 +43,22 @@ def usable_rows(table: PoseTable, where: str, first_line: int = 1) -> UsableRows
     return UsableRows(index[~doubled], tuple(problems))
 
 
+def pose_gaps(stamp_ns: Array, known: Array, where: str) -> tuple[Problem, ...]:
+    """What to say of frames at `stamp_ns (N,)` whose pose is not `known (N,)`: how many, and the longest time without one."""
+    if known.all():
+        return ()
+    order = np.argsort(stamp_ns, kind="stable")
+    times = stamp_ns[order] * 1e-9
+    posed = np.flatnonzero(known[order])
+    edges = np.unique(np.concatenate([[0], posed, [len(order) - 1]]))
+    missing = np.diff(edges) > 1
+    longest = float(np.diff(times[edges])[missing].max(initial=0.0))
+    first = stamp_text(int(stamp_ns[order][np.argmin(known[order])]))
+    message = f"frames without a pose at their time; the longest stretch lasts {longest:.1f} s"
+    advice = "these frames are left out; record the poses over the same time"
+    return (Problem("pose-gap", message, f"{where}, {first}", int((~known).sum()), advice),)
+
+
 def stamp_text(stamp_ns: int) -> str:
     """A stamp for messages, seconds."""
     return "no stamp" if stamp_ns == MISSING_STAMP_NS else f"{stamp_ns * 1e-9:.6f} s"

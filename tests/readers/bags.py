@@ -1,5 +1,6 @@
 """Tiny ROS bags that the tests write themselves with rosbags' writers."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -107,15 +108,40 @@ class Bag:
         for stamp in walk.stamp_s.tolist():
             self.add("/points", "sensor_msgs/msg/PointCloud2", stamp, header=self.header(stamp, "lidar"), **shape, **steps)
 
-    def add_odometry(self, walk: Walk, child: str = "camera_optical", topic: str = "/odom") -> None:
-        """Poses of `walk` for the frame `child`, a tenth of a second between."""
-        for stamp, position, quat in zip(walk.stamp_s.tolist(), walk.position_m, quat_xyzw_from_rotation(walk.rotation), strict=True):
+    def add_odometry(self, walk: Walk, child: str = "camera_optical", topic: str = "/odom", skip: Collection[int] = ()) -> None:
+        """Poses of `walk` for the frame `child`, a tenth of a second between; rows of `skip` left out."""
+        rows = zip(walk.stamp_s.tolist(), walk.position_m, quat_xyzw_from_rotation(walk.rotation), strict=True)
+        for stamp, position, quat in (pose for row, pose in enumerate(rows) if row not in skip):
             posed = self.make("geometry_msgs/msg/PoseWithCovariance", pose=self._pose(position, quat), covariance=np.zeros(36))
             zero = self.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
             twist = self.make("geometry_msgs/msg/Twist", linear=zero, angular=zero)
             moving = self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
             head = self.header(stamp, "odom")
             self.add(topic, "nav_msgs/msg/Odometry", stamp, 0.01, header=head, child_frame_id=child, pose=posed, twist=moving)
+
+    def add_poses(self, walk: Walk, type: str) -> None:
+        """Poses of `walk` as another message type."""
+        for stamp, position, quat in zip(walk.stamp_s.tolist(), walk.position_m, quat_xyzw_from_rotation(walk.rotation), strict=True):
+            head, pose = self.header(stamp, "odom"), self._pose(position, quat)
+            if type == "PoseStamped":
+                what = {"pose": pose}
+            elif type == "PoseWithCovarianceStamped":
+                what = {"pose": self.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=np.zeros(36))}
+            else:
+                moved = self.make("geometry_msgs/msg/Vector3", **dict(zip("xyz", map(float, position), strict=True)))
+                turned = self.make("geometry_msgs/msg/Transform", translation=moved, rotation=pose.orientation)
+                what = {"child_frame_id": "camera_optical", "transform": turned}
+            self.add("/pose", f"geometry_msgs/msg/{type}", stamp, 0.01, header=head, **what)
+
+    def add_imu(self, walk: Walk, force: Array) -> None:
+        """Specific force (N, 3) m/s^2 in the axes of the frame `imu`."""
+        zero = self.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        level = self.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
+        unknown = {f"{name}_covariance": np.zeros(9) for name in ("orientation", "angular_velocity", "linear_acceleration")}
+        for stamp, row in zip(walk.stamp_s.tolist(), force.tolist(), strict=True):
+            pushed = self.make("geometry_msgs/msg/Vector3", **dict(zip("xyz", row, strict=True)))
+            what = {"orientation": level, "angular_velocity": zero, "linear_acceleration": pushed, **unknown}
+            self.add("/imu", "sensor_msgs/msg/Imu", stamp, header=self.header(stamp, "imu"), **what)
 
     def _pose(self, position: Array, quat: Array) -> Any:
         where = self.make("geometry_msgs/msg/Point", **dict(zip("xyz", map(float, position), strict=True)))

@@ -5,9 +5,10 @@ import pytest
 
 from floorplan.config import ReadConfig
 from floorplan.errors import InputError
+from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, SensorKind
 from floorplan.readers import open_scan
-from tests.readers.bags import KINDS, Bag, base_walk
+from tests.readers.bags import BASE_FROM_CAMERA, KINDS, Bag, base_walk
 from tests.readers.folders import Walk, write_tum
 
 WALK = Walk()
@@ -89,6 +90,49 @@ def test_sweeps_are_level_grids_of_one_row(tmp_path: Path, kind: str) -> None:
     assert frame.points[0, 40, 1] == pytest.approx(5.0 * np.sin(1.0), abs=1e-5)  # counter-clockwise
 
 
+@pytest.mark.parametrize("type", ["PoseStamped", "PoseWithCovarianceStamped", "TransformStamped"])
+def test_poses_come_from_every_type_that_holds_them(tmp_path: Path, type: str) -> None:
+    bag = Bag("mcap")
+    bag.add_depth(WALK)
+    bag.add_poses(WALK, type)
+    recording = open_scan(bag.write(tmp_path / "scan")).recording
+    np.testing.assert_allclose(recording.position_m, WALK.position_m, atol=1e-9)
+    np.testing.assert_allclose(recording.odom_from_sensor, WALK.rotation, atol=1e-9)
+
+
+@pytest.mark.parametrize("imu_from_camera", [np.eye(3), BASE_FROM_CAMERA])
+def test_gravity_comes_from_the_imu_through_its_mounting(tmp_path: Path, imu_from_camera: Array) -> None:
+    bag, walk = Bag("db3"), Walk(frames=60)
+    bag.add_depth(walk)
+    bag.add_odometry(walk)
+    up_world = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
+    bag.add_imu(walk, 9.81 * np.einsum("ij,nkj,k->ni", imu_from_camera, walk.rotation, up_world))
+    bag.add_tf("camera_optical", "imu", walk.stamp_s[0] - 1, np.zeros(3), imu_from_camera.T, "/tf_static")
+    recording = open_scan(bag.write(tmp_path / "scan")).recording
+    assert (recording.gravity_source, recording.problems) == (GravitySource.IMU, ())
+    down_world = np.einsum("nij,nj->ni", recording.odom_from_sensor, recording.down_sensor)
+    np.testing.assert_allclose(down_world, np.tile(-up_world, (60, 1)), atol=1e-9)
+
+
+def test_an_imu_whose_mounting_is_unknown_is_not_used(tmp_path: Path) -> None:
+    bag = depth_bag("mcap")
+    bag.add_imu(WALK, np.tile([0.0, 0.0, 9.81], (12, 1)))
+    recording = open_scan(bag.write(tmp_path / "scan")).recording
+    assert recording.gravity_source is GravitySource.UNKNOWN
+    assert [p.code for p in recording.problems] == ["transform-missing"]
+
+
+def test_a_gap_of_the_odometry_leaves_frames_out_and_is_reported_with_its_length(tmp_path: Path) -> None:
+    bag, walk = Bag("db3"), Walk(frames=60)
+    bag.add_depth(walk)
+    bag.add_odometry(walk, skip=range(20, 40))
+    recording = open_scan(bag.write(tmp_path / "scan")).recording
+    assert 38 <= len(recording) <= 42
+    (problem,) = [p for p in recording.problems if p.code == "pose-gap"]
+    assert problem.count == 60 - len(recording)
+    assert f"{walk.stamp_s[40] - walk.stamp_s[19]:.1f} s" in problem.message
+
+
 def test_an_organised_cloud_is_its_own_grid(tmp_path: Path) -> None:
     points = np.random.default_rng(3).uniform(1, 4, (16, 90, 3)).astype(np.float32)
     points[2, 5] = 0.0
@@ -108,15 +152,9 @@ def test_several_depth_topics_are_listed_with_the_setting_that_chooses(tmp_path:
     bag = depth_bag("db3")
     bag.add_depth(WALK, topic="/rear/depth/image")
     path = bag.write(tmp_path / "two")
-    with pytest.raises(InputError, match=r"/camera/depth/image.*/rear/depth/image.*read\.range_topic"):
+    with pytest.raises(InputError, match=r"/camera/depth/image.*/rear/depth/image.*--topic depth=.*read\.range_topic"):
         open_scan(path)
     assert len(open_scan(path, config=ReadConfig(range_topic="/rear/depth/image")).recording) == 12
-
-
-def test_a_bag_without_metadata_is_read_by_its_files(tmp_path: Path) -> None:
-    folder = depth_bag("mcap").write(tmp_path / "scan")
-    (folder / "metadata.yaml").unlink()
-    assert len(open_scan(folder).recording) == 12
 
 
 def test_a_bag_without_poses_and_one_that_is_none_say_so(tmp_path: Path) -> None:
@@ -129,17 +167,47 @@ def test_a_bag_without_poses_and_one_that_is_none_say_so(tmp_path: Path) -> None
         open_scan(tmp_path / "not.bag")
 
 
-@pytest.mark.parametrize(("kind", "remedy"), [("bag", "rosbag reindex"), ("db3", r"\.recover"), ("mcap", "mcap recover")])
-def test_a_bag_cut_in_half_is_refused_with_the_tool_that_mends_it(tmp_path: Path, kind: str, remedy: str) -> None:
-    bag = Bag(kind)
-    bag.add_depth(Walk(frames=40))
-    bag.add_odometry(Walk(frames=40))
-    whole = bag.write(tmp_path / "whole")
-    file = whole if whole.is_file() else next(f for f in whole.iterdir() if f.suffix != ".yaml")
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("share", [0.5, 0.97])
+def test_a_cut_bag_gives_the_frames_before_the_cut_and_says_how_many_messages_there_were(tmp_path: Path, kind: str, share: float) -> None:
+    bag, walk = Bag(kind), Walk(frames=80)
+    bag.add_depth(walk)
+    bag.add_odometry(walk)
+    whole = open_scan(bag.write(tmp_path / "whole"))
+    cut = open_scan(cut_copy(bag.write(tmp_path / "again"), tmp_path / f"cut.{kind}", share))
+    count = len(cut.recording)
+    assert (share - 0.1) * 80 <= count <= (share + 0.05) * 80  # what is not frames is at the file's ends
+    np.testing.assert_array_equal(cut.recording.stamp_ns, whole.recording.stamp_ns[:count])
+    np.testing.assert_allclose(cut.recording.position_m, whole.recording.position_m[:count], atol=1e-9)
+    (problem,) = [p for p in cut.recording.problems if p.code == "bag-cut"]
+    assert f"{3 * count}" in problem.message or f"{3 * count + 1}" in problem.message or f"{3 * count + 2}" in problem.message
+    for mine, theirs in zip(cut.frames([0, count - 1, 1]), whole.frames([0, count - 1, 1]), strict=True):
+        assert isinstance(mine, Frame)
+        assert isinstance(theirs, Frame)
+        np.testing.assert_array_equal(mine.points, theirs.points)
+
+
+def cut_copy(bag: Path, to: Path, share: float) -> Path:
+    """The first part of the bag's file, without metadata."""
+    file = bag if bag.is_file() else next(f for f in bag.iterdir() if f.suffix != ".yaml")
     data = file.read_bytes()
-    (tmp_path / f"cut.{kind}").write_bytes(data[: len(data) // 2])
-    with pytest.raises(InputError, match=remedy):
-        open_scan(tmp_path / f"cut.{kind}")
+    to.write_bytes(data[: int(len(data) * share)])
+    return to
+
+
+def test_a_cut_bag_in_its_folder_is_measured_by_the_metadata(tmp_path: Path) -> None:
+    folder = depth_bag("db3").write(tmp_path / "scan")
+    file = next(folder.glob("*.db3"))
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    (problem,) = open_scan(folder).recording.problems
+    assert "of 36 messages" in problem.message
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_a_folder_without_metadata_is_read_by_its_files(tmp_path: Path, kind: str) -> None:
+    folder = depth_bag(kind).write(tmp_path / "scan")
+    (folder / "metadata.yaml").unlink()
+    assert open_scan(folder).recording.problems == ()
 
 
 def test_the_real_bag_without_depth_lists_its_topics(shared_data: Path) -> None:
