@@ -5,14 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from floorplan.config import IngestConfig
-from floorplan.errors import InputError
+from floorplan.errors import InputError, UsageError
 from floorplan.gravity import estimate_gravity
 from floorplan.keyframes import select_keyframes
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, IngestedScan, Problem, Recording, SensorKind
+from floorplan.model.scan import GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
 from floorplan.readers.base import Source
 from floorplan.recording_checks import frozen_start, motion_problems
 from floorplan.reporting import Progress, no_progress
+from floorplan.sweep_matching import refine_odometry, with_level_poses
 
 
 def ingest(source: Source, config: IngestConfig, progress: Progress = no_progress) -> IngestedScan:
@@ -22,7 +23,19 @@ def ingest(source: Source, config: IngestConfig, progress: Progress = no_progres
     """
     recording = examine(source, config, progress)
     stop_on_fatal(recording.problems)
-    return IngestedScan(recording, keyframes_of(recording, config))
+    if not _is_to_be_refined(recording, config):
+        return IngestedScan(recording, keyframes_of(recording, config))
+    recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
+    recording = with_level_poses(recording, refine_odometry(source, recording, progress).pose)
+    return IngestedScan(recording, keyframes_of(recording, config), recorded)
+
+
+def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:
+    """Whether sweeps are matched. Raises `UsageError` where that is asked of a sensor that gives no level sweeps."""
+    level_laser = recording.sensor.kind is SensorKind.LASER and recording.gravity_source is GravitySource.LEVEL
+    if config.odometry == "refine" and not level_laser:
+        raise UsageError("ingest.odometry = refine matches level laser sweeps; this scan has none. Use auto or recorded.")
+    return level_laser and config.odometry != "recorded"
 
 
 def examine(source: Source, config: IngestConfig, progress: Progress = no_progress) -> Recording:

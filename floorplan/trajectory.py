@@ -54,11 +54,12 @@ def every_frame(scan: IngestedScan, keyframes: Trajectory) -> Trajectory:
 
 
 def odometry_trajectory(scan: IngestedScan, first_world_from_sensor: Array) -> Trajectory:
-    """The raw odometry, turned and shifted as a whole so that the first keyframe stands at the origin in its solved rotation."""
+    """The odometry as recorded, turned and shifted as a whole so that the first keyframe stands at the origin in its solved rotation."""
     recording, first = scan.recording, scan.keyframe[0]
-    world_from_odom = first_world_from_sensor @ recording.odom_from_sensor[first].T
-    position = (recording.position_m - recording.position_m[first]) @ world_from_odom.T
-    return Trajectory(recording.stamp_ns, position, world_from_odom @ recording.odom_from_sensor)
+    raw = scan.recorded_odometry or Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
+    world_from_odom = first_world_from_sensor @ raw.world_from_sensor[first].T
+    position = (raw.position_m - raw.position_m[first]) @ world_from_odom.T
+    return Trajectory(recording.stamp_ns, position, world_from_odom @ raw.world_from_sensor)
 
 
 def in_plan_frame(trajectory: Trajectory, frame: PlanFrame) -> Trajectory:

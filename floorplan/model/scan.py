@@ -160,10 +160,12 @@ class IngestedScan:
 
     `keyframe (F,)` are rows of `recording`, increasing; chosen by change of view. Everything called
     "frame" in later stages (`Segments.frame`, `LayoutGraph.frame`) is an index into `keyframe`.
+    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones.
     """
 
     recording: Recording
     keyframe: Array
+    recorded_odometry: Trajectory | None = None
 
     def __post_init__(self) -> None:
         freeze(self, {"keyframe": (np.int64, ("F",))})

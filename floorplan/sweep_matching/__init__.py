@@ -1,0 +1,5 @@
+"""Matching sweeps with the surfaces just seen: better odometry for lasers on wheels."""
+
+from floorplan.sweep_matching.refine import RefinedOdometry, refine_odometry, with_level_poses
+
+__all__ = ["RefinedOdometry", "refine_odometry", "with_level_poses"]
