@@ -11,6 +11,7 @@ from floorplan.cli import (
     info_command,
     look_commands,
     merges_command,
+    report_command,
     simulate_command,
     solve_command,
     work_commands,
@@ -45,6 +46,7 @@ app.command("status")(work_commands.status)
 app.command("check")(check_command.check)
 app.command("merges")(merges_command.merges)
 app.command("export")(work_commands.export)
+app.command("report")(report_command.report)
 app.command("formats")(look_commands.formats)
 app.command("config")(look_commands.config)
 app.command("doctor")(look_commands.doctor)
