@@ -20,6 +20,7 @@ class Benchmark:
 
 BENCHMARKS = {
     "front_end": Benchmark("tests.bench.front_end", "milliseconds per keyframe beside NumPy and Open3D, on a recording", (str(SAMPLE),)),
+    "areas": Benchmark("tests.bench.areas", "the six simulated areas, published and default method", ("bench-areas",)),
     "back_end": Benchmark("tests.bench.back_end", "verbatim, reduced and evidence back end: seconds, memory, agreement"),
 }
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
