@@ -15,7 +15,7 @@ HOMES = {  # the one module, or folder, that may import the library
     "libusb_package": ("simulate/raycast.py",),
     "ezdxf": ("writers/",),
     "matplotlib": ("writers/",),
-    "rosbags": ("readers/",),
+    "rosbags": ("readers/", "simulate/ros_messages.py"),
     "typer": ("cli/",),
     "rich": ("cli/",),
 }

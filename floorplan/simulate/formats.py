@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
 from floorplan.errors import UsageError
 from floorplan.model.checks import Array
 from floorplan.simulate.laser import LaserScanner, rolled
+from floorplan.simulate.lidar import SpinningLidar, carried
 from floorplan.simulate.odometry import Odometry
 from floorplan.simulate.presets import PHONE
 from floorplan.simulate.raycast import RayCaster
@@ -15,6 +17,7 @@ from floorplan.simulate.scene import Scene
 from floorplan.simulate.sensor import DepthCamera, Shot, pinhole_of
 from floorplan.simulate.walk import Walk
 from floorplan.simulate.write_carmen import CarmenWriter
+from floorplan.simulate.write_ros import RosWriter
 from floorplan.simulate.write_stray import StrayWriter
 from floorplan.simulate.write_tum import TumWriter
 
@@ -60,6 +63,15 @@ def _laser(scene: Scene, caster: RayCaster, _hard: bool, _image_scale: float) ->
     return LaserScanner(caster, scene.seed)
 
 
+def _lidar(scene: Scene, caster: RayCaster, _hard: bool, image_scale: float) -> SpinningLidar:
+    return SpinningLidar(caster, scene.seed, image_scale)
+
+
+def _ros_writer(kind: str, folder: Path, instrument: Any, seed: int) -> RosWriter:
+    del seed  # nothing random in this format
+    return RosWriter(folder, instrument, kind)
+
+
 def _as_drawn(scene: Scene) -> Scene:
     return scene
 
@@ -72,15 +84,27 @@ def _on_wheels(scene: Scene) -> Scene:
     return replace(scene, walk=rolled(scene.walk))
 
 
+def _with_lidar(scene: Scene) -> Scene:
+    return replace(scene, walk=carried(scene.walk))
+
+
+BAG_KINDS = ("ros1", "db3", "mcap")
 FORMATS = {
     "tum": Format(_as_drawn, _camera, TumWriter, 2),
     "stray": Format(_with_phone, _camera, StrayWriter, 2),
     "carmen": Format(_on_wheels, _laser, CarmenWriter, 1),
+    **{kind: Format(_as_drawn, _camera, partial(_ros_writer, kind), 2) for kind in BAG_KINDS},
 }
+LIDAR_FORMATS = {kind: Format(_with_lidar, _lidar, partial(_ros_writer, kind), 1) for kind in BAG_KINDS}
+SENSORS = {"": FORMATS, "lidar16": LIDAR_FORMATS}  # the format's own instrument, or another one
 
 
-def format_named(name: str) -> Format:
-    """The format of that name; raises `UsageError` naming the choices."""
-    if name not in FORMATS:
-        raise UsageError(f"no format '{name}' to simulate in; choose one of {', '.join(FORMATS)}")
-    return FORMATS[name]
+def format_named(name: str, sensor: str = "") -> Format:
+    """The format of that name, for the format's own or another sensor; raises `UsageError` naming the choices."""
+    if sensor not in SENSORS:
+        raise UsageError(f"no sensor '{sensor}' to simulate; choose one of {', '.join(filter(None, SENSORS))}, or none")
+    formats = SENSORS[sensor]
+    if name not in formats:
+        kind = f" with {sensor}" if sensor else ""
+        raise UsageError(f"no format '{name}' to simulate in{kind}; choose one of {', '.join(formats)}")
+    return formats[name]

@@ -30,6 +30,7 @@ def simulate(
     *,
     hard: bool = False,
     format: str = "tum",
+    sensor: str = "",
     path_scale: float = 1.0,
     odometry_error: float | None = None,
     rate_hz: float | None = None,
@@ -39,12 +40,13 @@ def simulate(
     """Write a scan of a simulated building to the folder `out`, with its `truth.json`.
 
     `odometry_error` (0.02 is 2 %) overrides the drift of the preset; `path_scale` makes building and path larger;
-    `rate_hz` and `image_scale` override the camera's. Raises `UsageError` for an unknown preset or format, or an
+    `rate_hz` and `image_scale` override the camera's; `sensor` "lidar16" a spinning LiDAR instead of it.
+    Raises `UsageError` for an unknown preset or format, or an
     `out` that is not empty.
     """
     if out.exists() and any(out.iterdir()):
         raise UsageError(f"{out} is not empty; choose a new folder")
-    chosen = format_named(format)
+    chosen = format_named(format, sensor)
     scene = chosen.scene(draw_scene(preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz))
     odometry = _odometry(scene, seed, hard, odometry_error)
     surfaces = surfaces_of(scene.building)
