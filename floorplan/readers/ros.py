@@ -13,13 +13,14 @@ from floorplan.geometry import quat_xyzw_from_rotation
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, Problem, Recording
 from floorplan.readers.base import BadFrame
+from floorplan.readers.cloud_grid import RingGrid
 from floorplan.readers.pose_table import PoseTable
 from floorplan.readers.ros_bag import bag_paths, messages, topics_of
 from floorplan.readers.ros_decode import grid_points, stamp_ns_of
 from floorplan.readers.ros_gravity import with_gravity
 from floorplan.readers.ros_index import index_bag
-from floorplan.readers.ros_sensor import ray_table, sensor_of
-from floorplan.readers.ros_topics import choose_topics
+from floorplan.readers.ros_sensor import ray_table, rings_of, sensor_of
+from floorplan.readers.ros_topics import POINT_CLOUD, choose_topics
 from floorplan.readers.row_checks import pose_gaps, usable_rows
 
 
@@ -52,6 +53,7 @@ class BagScan:
     topic: str
     log_ns: Array
     rays: Array
+    rings: RingGrid | None = None
 
     def frames(self, indices: Iterable[int], stride: int = 1) -> Iterator[Frame | BadFrame]:
         """See `Source.frames`. Rows that increase are read in one pass over the bag."""
@@ -65,7 +67,7 @@ class BagScan:
             if row is None:
                 continue
             try:
-                points = grid_points(message.value, message.type, self.rays)
+                points = grid_points(message.value, message.type, self.rays, self.rings)
             except (InputError, ValueError) as error:
                 yield BadFrame(row, Problem("message-unreadable", str(error), self.topic))
                 continue
@@ -109,4 +111,5 @@ def _open(paths: tuple[Path, ...], config: ReadConfig) -> BagScan:
         gravity_source=GravitySource.UNKNOWN,
         problems=index.problems + gaps + usable.problems,
     )
-    return BagScan(with_gravity(recording, index, config.world_up), paths, chosen.ranges.name, index.log_ns[rows], ray_table(sensor))
+    rings = rings_of(index.first) if chosen.ranges.type == POINT_CLOUD else None
+    return BagScan(with_gravity(recording, index, config.world_up), paths, chosen.ranges.name, index.log_ns[rows], ray_table(sensor), rings)

@@ -1,16 +1,19 @@
-"""ROS messages to arrays: depth images, sweeps, organised clouds. Lengths in metres, NaN for no return."""
+"""ROS messages to arrays: depth images, sweeps, clouds. Lengths in metres, NaN for no return."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
+from floorplan.readers.cloud_grid import RingGrid
 from floorplan.readers.ros_topics import COMPRESSED_IMAGE, IMAGE, LASER_SCAN
 
 MILLIMETRE_M = 0.001  # of 16-bit depth (REP 118)
 COMPRESSED_HEADER_BYTES = 12  # config enum and two quantisation floats before the PNG
-FIELD_TYPES = {7: "f4", 8: "f8"}  # of PointField
+FIELD_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}  # of PointField
+RING_FIELDS = ("ring", "channel", "line")  # Velodyne and Ouster; Hesai; Livox
 
 
 def stamp_ns_of(message: Any) -> int:
@@ -52,30 +55,50 @@ def sweep_points(message: Any) -> Array:
     return np.asarray(points[None], dtype=np.float32)
 
 
-def cloud_points(message: Any) -> Array:
-    """Points (H, W, 3) float32 of an organised PointCloud2. Raises `InputError` for a cloud without a grid."""
-    if message.height < 2:
-        raise InputError("the point cloud is not organised (height 1): record the organised cloud of the sensor")
+@dataclass(frozen=True)
+class Cloud:
+    """A PointCloud2: `points (H, W, 3)` float32, NaN for no return, and the number of each point's `ring (H, W)` where it tells."""
+
+    points: Array
+    ring: Array | None
+
+    @property
+    def organised(self) -> bool:
+        """True when the message has rows of its own."""
+        return len(self.points) > 1
+
+
+def cloud_of(message: Any) -> Cloud:
+    """The points of a PointCloud2. Raises `InputError` for fields that cannot be read."""
     fields = {field.name: field for field in message.fields}
-    kinds = {name: FIELD_TYPES.get(fields[name].datatype) for name in "xyz" if name in fields}
-    if len(kinds) < 3 or None in kinds.values():
+    names = ["x", "y", "z", *(name for name in RING_FIELDS if name in fields)][:4]
+    kinds = {name: FIELD_TYPES.get(fields[name].datatype) for name in names if name in fields}
+    if len(kinds) < len(names) or None in kinds.values():
         raise InputError("the point cloud has no x, y, z of 32 or 64 bit")
     order = ">" if message.is_bigendian else "<"
-    formats, offsets = [order + str(kinds[n]) for n in "xyz"], [fields[n].offset for n in "xyz"]
-    layout = np.dtype({"names": list("xyz"), "formats": formats, "offsets": offsets, "itemsize": message.point_step})
+    formats, offsets = [order + str(kinds[n]) for n in names], [fields[n].offset for n in names]
+    layout = np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": message.point_step})
     rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.row_step)
     grid = np.ascontiguousarray(rows[:, : message.width * message.point_step]).view(layout)
     points = np.stack([grid[n].astype(np.float32) for n in "xyz"], axis=-1)
     points[~np.isfinite(points).all(axis=-1) | (points == 0).all(axis=-1)] = np.nan
-    return np.asarray(points)
+    return Cloud(points, np.asarray(grid[names[3]]) if len(names) > 3 else None)
 
 
-def grid_points(message: Any, type: str, rays: Array) -> Array:
-    """Points (H, W, 3) float32 of any range message; `rays (H, W, 2)` x', y' of the pixels for depth images, else unused."""
+def cloud_points(message: Any, rings: RingGrid | None) -> Array:
+    """Points (H, W, 3) float32 of a PointCloud2: its own rows, or put on the grid `rings`."""
+    cloud = cloud_of(message)
+    if rings is None:
+        return cloud.points
+    return rings.organised(cloud.points.reshape(-1, 3), None if cloud.ring is None else cloud.ring.reshape(-1))
+
+
+def grid_points(message: Any, type: str, rays: Array, rings: RingGrid | None = None) -> Array:
+    """Points (H, W, 3) float32 of any range message; `rays (H, W, 2)` x', y' of a depth image's pixels; `rings` for clouds without rows."""
     if type == LASER_SCAN:
         return sweep_points(message)
     if type not in (IMAGE, COMPRESSED_IMAGE):
-        return cloud_points(message)
+        return cloud_points(message, rings)
     depth = depth_m(message, type)
     points = np.empty((*depth.shape, 3), dtype=np.float32)
     points[..., 2] = depth

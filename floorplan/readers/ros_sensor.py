@@ -9,6 +9,7 @@ from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Intrinsics, NoiseModel, Sensor, SensorKind
+from floorplan.readers.cloud_grid import RingGrid, ring_grid
 from floorplan.readers.depth_images import scaled_intrinsics
 from floorplan.readers.noise_models import (
     DEPTH_CAMERA,
@@ -21,7 +22,7 @@ from floorplan.readers.noise_models import (
     SPINNING_LIDAR_MIN_M,
     depth_camera,
 )
-from floorplan.readers.ros_decode import cloud_points, depth_m
+from floorplan.readers.ros_decode import cloud_of, depth_m
 from floorplan.readers.ros_index import BagIndex
 from floorplan.readers.ros_topics import LASER_SCAN, POINT_CLOUD
 
@@ -54,11 +55,18 @@ def _laser(sweep: Any) -> Sensor:
 
 
 def _cloud(cloud: Any, optical: bool) -> Sensor:
-    height, width = cloud_points(cloud).shape[:2]
+    rings = rings_of(cloud)
+    height, width = (rings.rings, rings.columns) if rings else (cloud.height, cloud.width)
     if optical:
         step = np.deg2rad(60.0) / width  # usual field of view: only the order of magnitude of the neighbours' angle matters
         return Sensor(SensorKind.CAMERA, height, width, DEPTH_CAMERA, DEPTH_CAMERA_MIN_M, DEPTH_CAMERA_MAX_M, float(step))
     return Sensor(SensorKind.LIDAR, height, width, SPINNING_LIDAR, SPINNING_LIDAR_MIN_M, SPINNING_LIDAR_MAX_M, 2 * np.pi / width)
+
+
+def rings_of(cloud: Any) -> RingGrid | None:
+    """The grid for clouds without rows, such as `cloud`; None for those that have rows."""
+    read = cloud_of(cloud)
+    return None if read.organised else ring_grid(read.points.reshape(-1, 3), None if read.ring is None else read.ring.reshape(-1))
 
 
 def _lens(camera_info: Any, width: int, height: int, config: ReadConfig) -> Intrinsics:

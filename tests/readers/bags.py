@@ -108,6 +108,24 @@ class Bag:
         for stamp in walk.stamp_s.tolist():
             self.add("/points", "sensor_msgs/msg/PointCloud2", stamp, header=self.header(stamp, "lidar"), **shape, **steps)
 
+    def add_loose_cloud(self, walk: Walk, points: Array, ring: Array | None) -> None:
+        """The same points (N, 3) in one row at every stamp, with their rings (N,) where given."""
+        kinds = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), *([("ring", "<u2")] if ring is not None else [])]
+        rows = np.zeros(len(points), dtype=kinds)
+        for axis, name in enumerate("xyz"):
+            rows[name] = points[:, axis]
+        if ring is not None:
+            rows["ring"] = ring
+        types = {"<f4": 7, "<u2": 4}
+        fields = [
+            self.make("sensor_msgs/msg/PointField", name=name, offset=4 * at, datatype=types[kind], count=1)
+            for at, (name, kind) in enumerate(kinds)
+        ]
+        shape = {"height": 1, "width": len(rows), "fields": fields, "is_bigendian": False, "is_dense": True}
+        steps = {"point_step": rows.itemsize, "row_step": rows.nbytes, "data": rows.view(np.uint8).reshape(-1)}
+        for stamp in walk.stamp_s.tolist():
+            self.add("/points", "sensor_msgs/msg/PointCloud2", stamp, header=self.header(stamp, "lidar"), **shape, **steps)
+
     def add_odometry(self, walk: Walk, child: str = "camera_optical", topic: str = "/odom", skip: Collection[int] = ()) -> None:
         """Poses of `walk` for the frame `child`, a tenth of a second between; rows of `skip` left out."""
         rows = zip(walk.stamp_s.tolist(), walk.position_m, quat_xyzw_from_rotation(walk.rotation), strict=True)

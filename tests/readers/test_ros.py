@@ -148,6 +148,26 @@ def test_an_organised_cloud_is_its_own_grid(tmp_path: Path) -> None:
     np.testing.assert_array_equal(frame.points, points)
 
 
+@pytest.mark.parametrize("told", [True, False])
+def test_a_cloud_without_a_grid_is_put_on_rings_and_columns(tmp_path: Path, told: bool) -> None:
+    rng = np.random.default_rng(4)
+    up = np.deg2rad(np.linspace(-15, 15, 16))[:, None]
+    around = (-np.pi + 2 * np.pi * (np.arange(180) + 0.5) / 180)[None]
+    rays = np.stack(np.broadcast_arrays(np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)), axis=-1)
+    expected = (rays * rng.uniform(1, 9, (16, 180, 1))).astype(np.float32)
+    expected[rng.random((16, 180)) < 0.2] = np.nan
+    seen = np.flatnonzero(np.isfinite(expected[..., 0]))
+    rng.shuffle(seen)
+    bag = Bag("db3")
+    bag.add_loose_cloud(WALK, expected.reshape(-1, 3)[seen], seen // 180 if told else None)
+    bag.add_odometry(WALK, child="lidar")
+    source = open_scan(bag.write(tmp_path / "lidar"))
+    (frame,) = source.frames([1])
+    assert isinstance(frame, Frame)
+    assert source.recording.gravity_source is GravitySource.WORLD
+    np.testing.assert_array_equal(frame.points, expected)
+
+
 def test_several_depth_topics_are_listed_with_the_setting_that_chooses(tmp_path: Path) -> None:
     bag = depth_bag("db3")
     bag.add_depth(WALK, topic="/rear/depth/image")
