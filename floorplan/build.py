@@ -19,7 +19,7 @@ from floorplan.readers import Source, open_scan
 from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
-from floorplan.stage_functions import ingest, merge
+from floorplan.stage_functions import ingest
 from floorplan.work.disk import new_file
 from floorplan.work.fingerprint import scan_fingerprint
 from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
@@ -54,8 +54,9 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
         segmented = work.stage(SEGMENTS, SegmentedScan, lambda: segment_in_chunks(source, scan, config, work, job.jobs), count_segments)
         tell_problems(reporter, segmented.problems)
         layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
-        merged = work.stage(MERGE, MergeResult, lambda: merge(layout.graph, layout.least_squares, config.merge), count_merge)
-        corrected, known = Corrections(config, work.path, reporter), Surveyed(scan, segmented, layout, merged)
+        corrected = Corrections(config, work.path, reporter)
+        merged = work.stage(MERGE, MergeResult, lambda: corrected.merged(layout), count_merge)
+        known = Surveyed(scan, segmented, layout, merged)
         solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
         plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
         results = Results(scan, segmented, layout, merged, solution, corrected.named(plan))

@@ -107,6 +107,14 @@ class CorrectionsConfig:
 
 
 @dataclass(frozen=True)
+class EditsConfig:
+    """Corrections by hand, in `4-merge` and `6-plan`."""
+
+    edits_file: str = ""  # as by --edits; empty: none
+    edits_sha256: str = ""  # of that file, filled in by the program
+
+
+@dataclass(frozen=True)
 class PlanConfig:
     """Stage `6-plan`."""
 
@@ -165,6 +173,7 @@ class Config:
     merge: MergeConfig = field(default_factory=MergeConfig)
     resolve: ResolveConfig = field(default_factory=ResolveConfig)
     corrections: CorrectionsConfig = field(default_factory=CorrectionsConfig)
+    edits: EditsConfig = field(default_factory=EditsConfig)
     plan: PlanConfig = field(default_factory=PlanConfig)
     drawing: DrawingConfig = field(default_factory=DrawingConfig)
     project: ProjectConfig = field(default_factory=ProjectConfig)

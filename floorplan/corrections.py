@@ -5,6 +5,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from floorplan.config import Config
+from floorplan.edits.file import Edits, read_edits
+from floorplan.edits.merges import edit_merge, merge_notes
+from floorplan.edits.plans import edit_plan, furniture_notes, furniture_tracks, without_tracks
 from floorplan.errors import InputError, UsageError
 from floorplan.initial_layout import InitialLayout
 from floorplan.laser.spans import Span, find_span
@@ -12,11 +15,11 @@ from floorplan.laser.table import BadRow, LaserTable, read_laser
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
-from floorplan.model.segment import SegmentedScan
+from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.model.ties import Calibration
 from floorplan.plan_names import NAME, Book, book_text, load_book, named
 from floorplan.reporting import Reporter, SilentReporter
-from floorplan.stage_functions import make_plan, resolve
+from floorplan.stage_functions import make_plan, merge, resolve
 from floorplan.trajectory import keyframe_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
 
@@ -39,6 +42,18 @@ class Corrections:
     work: Path
     reporter: Reporter = field(default_factory=SilentReporter)
 
+    @property
+    def edits(self) -> Edits:
+        """The corrections by hand; none without a file."""
+        path = self.config.edits.edits_file
+        return read_edits(Path(path)) if path else Edits()
+
+    def merged(self, layout: InitialLayout) -> MergeResult:
+        """The merge, with what a person forbade or forced."""
+        result = merge(layout.graph, layout.least_squares, self.config.merge)
+        edits = self.edits
+        return edit_merge(layout.graph, layout.least_squares, result, edits) if edits.never_merge or edits.always_merge else result
+
     def solution(self, known: Surveyed) -> LayoutSolution:
         """The re-solve, with the measured distances where there are any. Raises UsageError for a merge that has no covariance."""
         plain = resolve(known.layout.graph, known.merged, self.config.resolve)
@@ -51,18 +66,30 @@ class Corrections:
         return self._calibrated(known, plain, read_laser(Path(self.config.corrections.laser_file)))
 
     def plan(self, known: Surveyed, solution: LayoutSolution) -> Plan:
-        """The plan of a solution; the depth points follow its scale."""
+        """The plan of a solution, corrected by hand; what was and what could not be is in its notes."""
+        plan, edits = self.drawn(known, solution, known.layout.tracks), self.edits
+        if edits == Edits():
+            return plan
+        base = self.named(plan)
+        notes = [*merge_notes(known.layout.graph, known.layout.least_squares, edits), *furniture_notes(base, edits)]
+        if gone := furniture_tracks(base, edits):
+            base = self.named(self.drawn(known, solution, without_tracks(known.layout.tracks, gone)))
+        edited = edit_plan(base, edits)
+        return replace(edited.plan, notes=(*edited.plan.notes, *notes, *edited.notes))
+
+    def drawn(self, known: Surveyed, solution: LayoutSolution, tracks: Tracks) -> Plan:
+        """The plan of a solution as it is; the depth points follow its scale."""
         keyframes = keyframe_trajectory(known.scan, known.segmented.frames.world_from_sensor, solution.position_m)
         scale = solution.calibration.scale if solution.calibration else 1.0
         segmented = known.segmented if scale == 1.0 else scaled_segments(known.segmented, scale)
-        return make_plan(known.scan, segmented, known.layout.tracks, solution, keyframes, self.config.plan)
+        return make_plan(known.scan, segmented, tracks, solution, keyframes, self.config.plan)
 
     def named(self, plan: Plan) -> Plan:
         """The plan under the ids its things had in earlier builds."""
         return with_known_ids(plan, self.work)
 
     def _calibrated(self, known: Surveyed, plain: LayoutSolution, table: LaserTable) -> LayoutSolution:
-        base = self.named(self.plan(known, plain))
+        base = self.named(self.drawn(known, plain, known.layout.tracks))
         found = [find_span(base, row) for row in table.rows]
         bad = [*table.bad, *(BadRow(row.line, text) for row, text in zip(table.rows, found, strict=True) if isinstance(text, str))]
         for one in sorted(bad, key=lambda one: one.line):
@@ -109,3 +136,13 @@ def with_laser(config: Config, laser: Path | None) -> Config:
         read_laser(Path(path))
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
     return replace(config, corrections=replace(config.corrections, laser_file=path, laser_sha256=digest))
+
+
+def with_edits(config: Config, edits: Path | None) -> Config:
+    """The configuration that uses the edits of a file. Raises ConfigError when they cannot be read."""
+    path = str(edits.resolve()) if edits is not None else config.edits.edits_file
+    digest = ""
+    if path:
+        read_edits(Path(path))
+        digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    return replace(config, edits=replace(config.edits, edits_file=path, edits_sha256=digest))

@@ -15,7 +15,7 @@ import pytest
 from floorplan.build import Job, build
 from floorplan.config import Config
 from floorplan.config_file import load_config
-from floorplan.corrections import with_laser
+from floorplan.corrections import with_edits, with_laser
 from floorplan.errors import WorkFolderError
 from floorplan.export import export_graph, read_merges, read_results
 from floorplan.graph_file import load_graph
@@ -214,5 +214,29 @@ def test_distances_by_tape_calibrate_the_plan_and_leave_no_trace_when_withdrawn(
     assert len(ratios) >= len(spans) - 1
     assert max(abs(ratio - 1.01) for ratio in ratios) < 0.004
     assert plan["shift_m"][:2] == plain["shift_m"][:2]
+    assert build(Job(scan, folder)) is not None
+    assert made_bytes(folder) == before
+
+
+def test_a_wrong_merge_forced_by_hand_shows_and_leaves_no_trace_when_undone(scan: Path, work: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "flat"
+    shutil.copytree(work, folder)
+    before = made_bytes(folder)
+    plain = json.loads((folder / "plan.json").read_text())
+    planes = sorted((p for p in plain["planes"] if p["axis"] == 0 and p["facing"] == 1), key=lambda p: -p["frames"])[:2]
+    room = plain["rooms"][0]["id"]
+    edits = tmp_path / "edits.toml"
+    pair = f"[[always_merge]]\ntracks = [{planes[0]['tracks'][0]}, {planes[1]['tracks'][0]}]\n"
+    edits.write_text(pair + f'[[room]]\nid = "{room}"\nname = "Kitchen"\n[[delete]]\nid = "W999"\n', "utf-8")
+    results = build(Job(scan, folder, with_edits(Config(), edits)))
+    assert results is not None
+    notes = " ".join(results.plan.notes)
+    assert "Edited by hand: always_merge" in notes
+    assert "Edit not applied: delete W999" in notes
+    assert len(results.plan.planes) == len(plain["planes"]) - 1
+    assert "Kitchen" in {one.name for one in results.plan.rooms} or "Edit not applied: room" in notes
+    shared = {d["id"]: d["distance_m"] for d in plain["dimensions"]}
+    moved = [abs(d.distance_m - shared[d.id]) for d in results.plan.dimensions if d.id in shared]
+    assert len(moved) < len(shared) or max(moved) > 0.02
     assert build(Job(scan, folder)) is not None
     assert made_bytes(folder) == before

@@ -33,6 +33,7 @@ def build(
     from_stage: Annotated[str | None, typer.Option("--from", metavar="STAGE", help="Make this stage and what follows again.")] = None,
     until_stage: Annotated[str | None, typer.Option("--until", metavar="STAGE", help="Stop after this stage.")] = None,
     laser: Annotated[Path | None, typer.Option("--laser", metavar="F.csv", help="Distances measured by hand: calibrates the plan.")] = None,
+    edits: Annotated[Path | None, typer.Option("--edits", metavar="F.toml", help="Corrections by hand.")] = None,
     format: o.Format = None,
     topics: o.Topics = None,
     units: o.Units = None,
@@ -52,10 +53,10 @@ def build(
     o.check_scan(scan)
     from floorplan.build import Job
     from floorplan.build import build as run
-    from floorplan.corrections import with_laser
+    from floorplan.corrections import with_edits, with_laser
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
-    effective = with_laser(effective, laser)
+    effective = with_edits(with_laser(effective, laser), edits)
     job = Job(scan, work or o.default_work(scan), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     results = run(job, reporter)
     if results is not None and not quiet:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from floorplan.errors import UsageError
 
-REPORTED_ONLY = frozenset({"ingest.returns_to_start", "corrections.laser_file"})  # settings that no stage's result depends on: what
-# only the summary reads, and where a file lies whose content counts
+# settings that no stage's result depends on: what only the summary reads, and where a file lies whose content counts
+REPORTED_ONLY = frozenset({"ingest.returns_to_start", "corrections.laser_file", "edits.edits_file"})
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,15 @@ class Stage:
 INGEST = Stage("1-ingest", 1, ("read", "ingest"), ("ingest", "readers"))
 SEGMENTS = Stage("2-segments", 1, ("compass", "segments"), ("chunked_segments", "readers"), ("1-ingest",))
 LEAST_SQUARES = Stage("3-least-squares", 1, ("tracking", "least_squares"), ("initial_layout",), ("1-ingest", "2-segments"))
-MERGE = Stage("4-merge", 1, ("merge",), ("merge",), ("3-least-squares",))
+MERGE = Stage("4-merge", 1, ("merge", "edits"), ("merge", "edits.merges"), ("3-least-squares",))
 RESOLVE = Stage("5-resolve", 1, ("resolve", "corrections"), ("resolve", "laser.calibrate", "laser.table"), ("3-least-squares", "4-merge"))
-PLAN = Stage("6-plan", 1, ("plan",), ("plan.make_plan", "trajectory"), ("1-ingest", "2-segments", "3-least-squares", "5-resolve"))
+PLAN = Stage(
+    "6-plan",
+    1,
+    ("plan", "edits"),
+    ("plan.make_plan", "trajectory", "edits.plans"),
+    ("1-ingest", "2-segments", "3-least-squares", "5-resolve"),
+)
 STAGES = (INGEST, SEGMENTS, LEAST_SQUARES, MERGE, RESOLVE, PLAN)
 
 

@@ -1,0 +1,59 @@
+"""Edits of the plan: furniture, kinds of openings, names of rooms, deleted walls. Things go by the ids that stay."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from floorplan.edits.file import Edits
+from floorplan.model.plan import Plan
+from floorplan.model.segment import NO_TRACK, Tracks
+
+
+@dataclass(frozen=True)
+class Edited:
+    """An edited plan and a sentence for every edit, done or not."""
+
+    plan: Plan
+    notes: tuple[str, ...]
+
+
+def furniture_tracks(plan: Plan, edits: Edits) -> tuple[int, ...]:
+    """The tracks of all planes that are called furniture, themselves or by a wall that lies on them."""
+    planes = {face.id: face.plane for face in plan.faces}
+    walls = {wall.id: {planes[face] for face in wall.faces if face in planes} for wall in plan.walls}
+    meant = {plane for name in edits.furniture for plane in walls.get(name, {name})}
+    return tuple(sorted(track for plane in plan.planes if plane.id in meant for track in plane.tracks))
+
+
+def without_tracks(tracks: Tracks, gone: tuple[int, ...]) -> Tracks:
+    """The tracks with no segment on those of `gone`: what was seen there counts as clutter."""
+    return replace(tracks, track_of_segment=np.where(np.isin(tracks.track_of_segment, gone), NO_TRACK, tracks.track_of_segment))
+
+
+def edit_plan(plan: Plan, edits: Edits) -> Edited:
+    """Names, kinds and deletions."""
+    names, kinds = {e.id: e.name for e in edits.room}, {e.id: e.kind for e in edits.opening}
+    known = {
+        "room": {room.id for room in plan.rooms},
+        "opening": {opening.id for opening in plan.openings},
+        "delete": {wall.id for wall in plan.walls} | {line.id for line in plan.free_lines},
+    }
+    asked = [("room", id) for id in names] + [("opening", id) for id in kinds] + [("delete", id) for id in edits.delete]
+    edited = replace(
+        plan,
+        rooms=tuple(replace(room, name=names.get(room.id, room.name)) for room in plan.rooms),
+        openings=tuple(replace(opening, kind=kinds.get(opening.id, opening.kind)) for opening in plan.openings),
+        walls=tuple(wall for wall in plan.walls if wall.id not in edits.delete),
+        free_lines=tuple(line for line in plan.free_lines if line.id not in edits.delete),
+    )
+    return Edited(edited, tuple(_note(what, id, id in known[what]) for what, id in asked))
+
+
+def furniture_notes(plan: Plan, edits: Edits) -> tuple[str, ...]:
+    """A sentence for every piece of furniture; `plan` is the one without the edits."""
+    known = {plane.id for plane in plan.planes} | {wall.id for wall in plan.walls}
+    return tuple(_note("furniture", id, id in known) for id in edits.furniture)
+
+
+def _note(what: str, id: str, done: bool) -> str:
+    return f"Edited by hand: {what} {id}." if done else f"Edit not applied: {what} {id}: there is no {id} in this build."
