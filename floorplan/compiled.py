@@ -11,4 +11,4 @@ T = TypeVar("T")
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
     """`function` as machine code; nothing is compiled before its first call."""
-    return cast(Callable[P, T], numba.njit(nogil=True, cache=True)(function))
+    return cast(Callable[P, T], numba.njit(nogil=True, cache=True, error_model="numpy")(function))

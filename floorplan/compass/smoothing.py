@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
+from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 
 _HUBER = 2.5  # standard deviations beyond which a reading counts less
@@ -62,16 +62,33 @@ def _noise_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple
         rows.append((np.median(sigma_rad[first] ** 2 + sigma_rad[second] ** 2), np.median(travelled[second] - travelled[first])))
         squares.append(_MEAN_OF_MEDIAN_SQUARE * np.median((angle_rad[second] - angle_rad[first]) ** 2))
     relative = np.array(rows) / np.maximum(np.array(squares), 1e-14)[:, None]
-    factor, size = np.sqrt(nnls(relative, np.ones(len(rows)))[0])
+    factor, size = np.sqrt(_two_non_negative(relative))
     return float(np.clip(factor, *_READING_SCALE_RANGE)), float(size)
 
 
+def _two_non_negative(columns: Array) -> Array:
+    """The non-negative x (2,) that brings `columns (K, 2) @ x` closest to ones."""
+    right, gram = columns.sum(axis=0), columns.T @ columns
+    determinant = gram[0, 0] * gram[1, 1] - gram[0, 1] ** 2
+    if determinant > 0:
+        both = np.array((gram[1, 1] * right[0] - gram[0, 1] * right[1], gram[0, 0] * right[1] - gram[0, 1] * right[0])) / determinant
+        if (both >= 0).all():
+            return np.asarray(both)
+    size = np.diag(gram)
+    alone = np.where(size > 0, np.maximum(right, 0.0) / np.where(size > 0, size, 1.0), 0.0)
+    better = int(np.argmax(alone * right))  # what each alone takes off the sum of squares
+    return np.where(np.arange(2) == better, alone, 0.0)
+
+
+@compiled
 def _smooth(reading: Array, variance: Array, step_variance: Array) -> tuple[Array, Array]:
     """Kalman filter and Rauch-Tung-Striebel smoother of a scalar random walk."""
     count = len(reading)
     mean, var = np.empty(count), np.empty(count)
     known = np.isfinite(variance)
-    m, v = (float(reading[known][0]) if known.any() else 0.0), _VAGUE_RAD2
+    m, v = 0.0, _VAGUE_RAD2
+    if known.any():
+        m = reading[np.argmax(known)]
     for k in range(count):
         if k > 0:
             v += step_variance[k - 1]

@@ -80,7 +80,8 @@ def _slope(mean: Array, share: Array, ray: Array, axis: int) -> tuple[Array, Arr
 
 
 def _box(image: Array) -> Array:
-    """Mean over a box of BLUR_CELLS x BLUR_CELLS."""
-    from scipy.ndimage import uniform_filter
-
-    return np.asarray(uniform_filter(image, BLUR_CELLS, mode="constant"))
+    """Mean over a box of BLUR_CELLS x BLUR_CELLS, zero outside the image."""
+    height, width = image.shape
+    padded = np.pad(image, BLUR_CELLS // 2)
+    tall = sum(padded[k : k + height] for k in range(BLUR_CELLS))
+    return np.asarray(sum(tall[:, k : k + width] for k in range(BLUR_CELLS)) / BLUR_CELLS**2)

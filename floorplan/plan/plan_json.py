@@ -18,7 +18,16 @@ SCHEMA_VERSION = 1
 def plan_to_json(plan: Plan) -> str:
     """The plan as text; numbers are written so that they read back exactly. Raises ValueError on NaN (a bug)."""
     document = {"schema_version": SCHEMA_VERSION, "units": "m", **_encoded(plan)}
-    return json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    return "{\n" + ",\n".join(f" {_text(name)}: {_rows(value)}" for name, value in document.items()) + "\n}\n"
+
+
+def _rows(value: Any) -> str:
+    """A list one item a line, to be read and compared; no deeper, because the fast encoder writes one line at a time."""
+    return "[\n  " + ",\n  ".join(map(_text, value)) + "\n ]" if isinstance(value, list) and value else _text(value)
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
 
 
 def plan_from_json(text: str) -> Plan:

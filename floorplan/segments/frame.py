@@ -7,6 +7,7 @@ import numpy as np
 
 from floorplan.compass.directions import QUARTER_RAD, refine_yaw, upright_directions
 from floorplan.compass.prior import CompassPrior
+from floorplan.compiled import compiled
 from floorplan.config import SegmentsConfig
 from floorplan.geometry import rotation_about_z, wrap_to
 from floorplan.grid.components import Components, connected_components
@@ -27,6 +28,7 @@ _WEAK_SHARE = 0.15  # of the upright surface: fewer agree by chance
 _LEAST_COMPONENT_PX = 40
 _LEAST_SWEEP_BEAMS = 5
 _YAW_PIXEL_STEP = 2  # the frame's own yaw is only a first guess here: a quarter of its pixels will do
+_SCATTER_MATRIX = Column.SCATTER + np.array((0, 1, 2, 1, 3, 4, 2, 4, 5))  # xx xy xz yy yz zz to a whole matrix
 _MAX_TILT = math.tan(math.radians(4.0))  # a segment further off its axis belongs to another surface
 _TILT_SIGMAS = 2.0
 _LEAST_INLIER_SHARE = 0.5
@@ -66,18 +68,13 @@ def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor,
     r = rotation.world_from_sensor
     grown = grow(points, normals.normal, weight, normals.noise_m, r, index_of_pixel, axis, fits[:, Column.OFFSET], _GROWTH_ROUNDS)
     extent, area = extents_and_areas(points, r, grown, len(axis), look.ray_step_rad, look.camera)
-    segments = _segments(index, components.label[kept], fits, extent, area, look)
-    keep = _large_enough(segments, look, config)
-    grown = _renumbered(grown, keep, len(segments))
+    keep = _large_enough(extent, area, axis, look, config)
+    segments = _segments(index, components.label[kept][keep], fits[keep], extent[keep], area[keep], look)
+    grown = _renumbered(grown, keep, len(keep))
     patches = off_axis_patches(components, points, normals.noise_m, r, index, look.pixels_per_point)
     evidence = thin(points, weight, grown, index, config.evidence_points, look.pixels_per_point)
     ripple, blocks = fits[keep, Column.RIPPLE], fits[keep, Column.BLOCKS]
-    return SegmentedFrame(rotation, take(segments, keep), ripple, blocks, patches, evidence, labels.label, grown)
-
-
-def take(segments: Segments, rows: Array) -> Segments:
-    """The given rows of `segments`."""
-    return Segments(*(getattr(segments, name)[rows] for name in Segments.__dataclass_fields__))
+    return SegmentedFrame(rotation, segments, ripple, blocks, patches, evidence, labels.label, grown)
 
 
 def _look(points: Array, sensor: Sensor) -> Look:
@@ -121,25 +118,29 @@ def _planes(
     return fits[plane], plane, inlier_of
 
 
+@compiled
 def _tilt_is_small(fits: Array, axis: Array, rotation: Array) -> Array:
     """Whether each fit's own inclination to its axis is within tolerance and its own noise."""
-    small = np.ones(len(fits), dtype=bool)
-    for c, row in enumerate(fits):
-        scatter = rotation @ scatter_matrix(row) @ rotation.T
-        a = axis[c]
+    small = np.ones(len(fits), dtype=np.bool_)
+    for c in range(len(fits)):
+        a, variance = axis[c], max(fits[c, 12], 0.0)  # `Column.VARIANCE`
         for b in range(3):
-            if b == a or scatter[b, b] <= 1e-6:
+            along = _covariance(fits[c], rotation[b], rotation[b])
+            if b == a or along <= 1e-6:
                 continue
-            slope = scatter[a, b] / scatter[b, b]
-            sigma = math.sqrt(max(row[Column.VARIANCE], 0.0) / scatter[b, b])
-            small[c] &= abs(slope) < _MAX_TILT + _TILT_SIGMAS * sigma
+            slope = _covariance(fits[c], rotation[a], rotation[b]) / along
+            small[c] &= abs(slope) < _MAX_TILT + _TILT_SIGMAS * math.sqrt(variance / along)
     return small
 
 
-def scatter_matrix(row: Array) -> Array:
-    """The covariance (3, 3) held in one fit's row."""
-    xx, xy, xz, yy, yz, zz = row[Column.SCATTER : Column.SCATTER + 6]
-    return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+@compiled
+def _covariance(row: Array, first: Array, second: Array) -> float:
+    """Covariance of a fit's inliers between two directions, from its row's scatter xx xy xz yy yz zz."""
+    xx, xy, xz, yy, yz, zz = row[5], row[6], row[7], row[8], row[9], row[10]
+    u = xx * second[0] + xy * second[1] + xz * second[2]
+    v = xy * second[0] + yy * second[1] + yz * second[2]
+    w = xz * second[0] + yz * second[1] + zz * second[2]
+    return float(first[0] * u + first[1] * v + first[2] * w)
 
 
 def _renumbered(index: Array, kept: Array, count: int) -> Array:
@@ -162,7 +163,7 @@ def _segments(index: int, label: Array, fits: Array, extent: Array, area: Array,
         area[np.arange(count), axis],
         extent,
         fits[:, Column.CENTROID : Column.CENTROID + 3],
-        np.stack([scatter_matrix(row) for row in fits]) if count else np.zeros((0, 3, 3)),
+        fits[:, _SCATTER_MATRIX].reshape(count, 3, 3),
     )
 
 
@@ -172,10 +173,11 @@ def _offset_variance(fits: Array) -> Array:
     return np.asarray((blocks * fits[:, Column.VARIANCE] + _MODEL_BLOCKS * model) / (blocks + _MODEL_BLOCKS))
 
 
-def _large_enough(segments: Segments, look: Look, config: SegmentsConfig) -> Array:
-    side = (segments.extent_m[:, :, 1] - segments.extent_m[:, :, 0]).copy()
-    side[np.arange(len(segments)), segments.axis] = 0.0
+def _large_enough(extent_m: Array, area_m2: Array, axis: Array, look: Look, config: SegmentsConfig) -> Array:
+    row = np.arange(len(axis))
+    side = extent_m[:, :, 1] - extent_m[:, :, 0]
+    side[row, axis] = 0.0
     longest = side.max(axis=1, initial=0.0)
     if look.sweep:
         return np.asarray(longest >= config.min_sweep_extent_m)
-    return np.asarray((longest >= config.min_extent_m) & (segments.area_m2 >= config.min_area_m2))
+    return np.asarray((longest >= config.min_extent_m) & (area_m2[row, axis] >= config.min_area_m2))

@@ -1,11 +1,10 @@
 """Upright surfaces that follow no axis: straight lines in plan, outside the Manhattan model."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.geometry import wrap_to
+from floorplan.compiled import compiled
 from floorplan.grid.components import Components
 from floorplan.model.checks import Array
 from floorplan.model.segment import FreePatches
@@ -16,58 +15,77 @@ _MIN_HEIGHT_M = 0.5  # of cameras: less is furniture
 _MIN_OFF_AXIS_RAD = math.radians(5.0)
 _MAX_RMS_SIGMAS = 2.0  # a curved or stepped surface fits worse than its noise
 _FLOOR_M = 0.01
-_TRIM_PERCENT = 1.0
+_TRIM = 0.01
+_COLUMNS = 9  # of a patch: normal yaw, start x y, end x y, height low high, sigma, points
 
 
 def off_axis_patches(
     components: Components, points: Array, noise_m: Array, world_from_sensor: Array, frame: int, pixels_per_point: float
 ) -> FreePatches:
     """The straight ones among the components labelled OFF_AXIS."""
-    rows: list[_Line] = []
-    for c in np.flatnonzero(components.label == OFF_AXIS):
-        pixels = components.order[components.start[c] : components.start[c + 1]]
-        world = points.reshape(-1, 3)[pixels].astype(np.float64) @ world_from_sensor.T
-        row = _line(world, float(np.median(noise_m.ravel()[pixels])), points.shape[0] == 1)
-        if row is not None:
-            rows.append(row)
-    return FreePatches(
-        np.full(len(rows), frame),
-        np.array([row.normal_yaw_rad for row in rows]),
-        np.array([row.start_m for row in rows]).reshape(-1, 2),
-        np.array([row.end_m for row in rows]).reshape(-1, 2),
-        np.array([row.height_m for row in rows]).reshape(-1, 2),
-        np.array([row.sigma_m for row in rows]),
-        np.array([round(row.points * pixels_per_point) for row in rows]),
-    )
+    rows = _lines(components.label, components.start, components.order, points.reshape(-1, 3), noise_m.ravel(), world_from_sensor)
+    if points.shape[0] > 1:
+        rows = rows[rows[:, 6] - rows[:, 5] >= _MIN_HEIGHT_M]
+    count = np.round(rows[:, 8] * pixels_per_point)
+    return FreePatches(np.full(len(rows), frame), rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5:7], rows[:, 7], count)
 
 
-@dataclass(frozen=True)
-class _Line:
-    """One straight upright patch: a row of `FreePatches`."""
+@compiled
+def _lines(label: Array, start: Array, order: Array, points: Array, noise_m: Array, r: Array) -> Array:
+    """One row of `_COLUMNS` per component that is a straight line in plan."""
+    rows = np.empty((np.count_nonzero(label == OFF_AXIS), _COLUMNS))
+    count = 0
+    for c in range(len(label)):
+        if label[c] == OFF_AXIS and _line(points, order[start[c] : start[c + 1]], noise_m, r, rows[count]):
+            count += 1
+    return rows[:count]
 
-    normal_yaw_rad: float
-    start_m: Array
-    end_m: Array
-    height_m: Array
-    sigma_m: float
-    points: int
+
+@compiled
+def _line(points: Array, pixels: Array, noise_m: Array, r: Array, row: Array) -> bool:
+    """The line through the pixels into `row`; False where it is none, is short, or follows an axis."""
+    count = len(pixels)
+    world = np.empty((3, count))
+    for k in range(count):
+        x, y, z = points[pixels[k], 0], points[pixels[k], 1], points[pixels[k], 2]
+        for a in range(3):
+            world[a, k] = r[a, 0] * x + r[a, 1] * y + r[a, 2] * z
+    centre_x, centre_y = world[0].mean(), world[1].mean()
+    xx, xy, yy = 0.0, 0.0, 0.0
+    for k in range(count):
+        dx, dy = world[0, k] - centre_x, world[1, k] - centre_y
+        xx += dx * dx
+        xy += dx * dy
+        yy += dy * dy
+    along = 0.5 * math.atan2(2 * xy, xx - yy)  # the direction of the greatest scatter
+    t_x, t_y = math.cos(along), math.sin(along)
+    n_x, n_y = -t_y, t_x
+    if n_x * centre_x + n_y * centre_y > 0:
+        n_x, n_y = t_y, -t_x
+    yaw = math.atan2(n_y, n_x)
+    off_axis = abs(yaw - 0.5 * math.pi * math.floor(yaw / (0.5 * math.pi) + 0.5))
+    rms = math.sqrt(max(0.5 * (xx + yy) - math.hypot(0.5 * (xx - yy), xy), 0.0) / count)
+    if off_axis < _MIN_OFF_AXIS_RAD or rms > _MAX_RMS_SIGMAS * np.median(noise_m[pixels]) + _FLOOR_M:
+        return False
+    low, high = _trimmed_ends((world[0] - centre_x) * t_x + (world[1] - centre_y) * t_y)
+    if high - low < _MIN_LENGTH_M:
+        return False
+    row[0] = yaw
+    row[1], row[2] = centre_x + low * t_x, centre_y + low * t_y
+    row[3], row[4] = centre_x + high * t_x, centre_y + high * t_y
+    row[5], row[6] = _trimmed_ends(world[2])
+    row[7], row[8] = math.hypot(rms / math.sqrt(count), _FLOOR_M / 2), count
+    return True
 
 
-def _line(world: Array, noise_m: float, sweep: bool) -> _Line | None:
-    """The line through `world (n, 3)`; None where it is none, or follows an axis."""
-    centre = world.mean(axis=0)
-    flat = world[:, :2] - centre[:2]
-    variance, direction = np.linalg.eigh(flat.T @ flat / len(flat))
-    normal, tangent = direction[:, 0], direction[:, 1]
-    normal = -normal if normal @ centre[:2] > 0 else normal
-    yaw = math.atan2(normal[1], normal[0])
-    off_axis = abs(float(wrap_to(np.asarray(yaw), math.pi / 2)))
-    along = np.percentile(flat @ tangent, (_TRIM_PERCENT, 100 - _TRIM_PERCENT))
-    height = np.percentile(world[:, 2], (_TRIM_PERCENT, 100 - _TRIM_PERCENT))
-    rms = math.sqrt(max(float(variance[0]), 0.0))
-    if off_axis < _MIN_OFF_AXIS_RAD or rms > _MAX_RMS_SIGMAS * noise_m + _FLOOR_M:
-        return None
-    if along[1] - along[0] < _MIN_LENGTH_M or (not sweep and height[1] - height[0] < _MIN_HEIGHT_M):
-        return None
-    start, end = centre[:2] + along[0] * tangent, centre[:2] + along[1] * tangent
-    return _Line(yaw, start, end, height, math.hypot(rms / math.sqrt(len(world)), _FLOOR_M / 2), len(world))
+@compiled
+def _trimmed_ends(values: Array) -> tuple[float, float]:
+    """The quantiles `_TRIM` and 1 - `_TRIM`, interpolated."""
+    ordered = np.sort(values)
+    position = _TRIM * (len(ordered) - 1)
+    k = int(position)
+    after = min(k + 1, len(ordered) - 1)
+    part = position - k
+    low = ordered[k] + part * (ordered[after] - ordered[k])
+    high = ordered[len(ordered) - 1 - k] - part * (ordered[len(ordered) - 1 - k] - ordered[len(ordered) - 1 - after])
+    return float(low), float(high)
