@@ -65,30 +65,33 @@ def surface_normals(
 
 @compiled
 def _ray_tables(points: Array, weight: Array) -> Array:
-    """Summed-area tables (H + 1, W + 1, channels) of the fit's sums."""
+    """Summed-area tables (H + 1, W + 1, channels) of the fit's sums. Row sums are kept in scalars: registers, not memory."""
     height, width, _ = points.shape
     table = np.zeros((height + 1, width + 1, _CHANNELS))
     for i in range(height):
-        row = np.zeros(_CHANNELS)
+        s0, s1, s2, s3, s4, s5, s6, s7, s8, s9, s10 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        above, row = table[i], table[i + 1]
         for j in range(width):
             m = weight[i, j]
             if m > 0:
                 x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
                 w = 1.0 / math.sqrt(x * x + y * y + z * z)
                 a, b, c = x * w, y * w, z * w
-                row[0] += m
-                row[1] += m * a * a
-                row[2] += m * a * b
-                row[3] += m * a * c
-                row[4] += m * b * b
-                row[5] += m * b * c
-                row[6] += m * c * c
-                row[7] += m * a * w
-                row[8] += m * b * w
-                row[9] += m * c * w
-                row[10] += m * w * w
-            for k in range(_CHANNELS):
-                table[i + 1, j + 1, k] = table[i, j + 1, k] + row[k]
+                s0 += m
+                s1 += m * a * a
+                s2 += m * a * b
+                s3 += m * a * c
+                s4 += m * b * b
+                s5 += m * b * c
+                s6 += m * c * c
+                s7 += m * a * w
+                s8 += m * b * w
+                s9 += m * c * w
+                s10 += m * w * w
+            up, to = above[j + 1], row[j + 1]
+            to[0], to[1], to[2], to[3] = up[0] + s0, up[1] + s1, up[2] + s2, up[3] + s3
+            to[4], to[5], to[6], to[7] = up[4] + s4, up[5] + s5, up[6] + s6, up[7] + s7
+            to[8], to[9], to[10] = up[8] + s8, up[9] + s9, up[10] + s10
     return table
 
 
@@ -105,25 +108,32 @@ def _half_window_px(range_m: float, sigma_m: float, ray_step: float, window_m: f
 
 
 @compiled
-def _solve_plane(s: Array, g: Array) -> bool:
-    """Solve the 3 x 3 normal equations in `s` into `g` (L D L^T); False when they are singular."""
-    ridge = _RIDGE * s[0]
-    i0 = 1.0 / (s[1] + ridge)
-    l10, l20 = s[2] * i0, s[3] * i0
-    d1 = s[4] + ridge - l10 * s[2]
-    if d1 <= 0:
-        return False
+def _plane(low: Array, right: Array, below: Array, high: Array, least: float) -> tuple[float, float, float, float, float]:
+    """The plane `g` that a window's sums give, by L D L^T, and the window's weight and sum of squares; weight 0 where it gives none.
+
+    The four corners of the window in the tables; `least` weight it must hold.
+    """
+    s0 = high[0] - right[0] - below[0] + low[0]
+    if s0 < least:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    ridge = _RIDGE * s0
+    s2, s3 = high[2] - right[2] - below[2] + low[2], high[3] - right[3] - below[3] + low[3]
+    i0 = 1.0 / (high[1] - right[1] - below[1] + low[1] + ridge)
+    l10, l20 = s2 * i0, s3 * i0
+    d1 = high[4] - right[4] - below[4] + low[4] + ridge - l10 * s2
+    m21 = high[5] - right[5] - below[5] + low[5] - l20 * s2
     i1 = 1.0 / d1
-    m21 = s[5] - l20 * s[2]
     l21 = m21 * i1
-    d2 = s[6] + ridge - l20 * s[3] - l21 * m21
-    if d2 <= 0:
-        return False
-    y1 = s[8] - l10 * s[7]
-    g[2] = (s[9] - l20 * s[7] - l21 * y1) / d2
-    g[1] = y1 * i1 - l21 * g[2]
-    g[0] = s[7] * i0 - l10 * g[1] - l20 * g[2]
-    return True
+    d2 = high[6] - right[6] - below[6] + low[6] + ridge - l20 * s3 - l21 * m21
+    if d1 <= 0 or d2 <= 0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    s7, s8 = high[7] - right[7] - below[7] + low[7], high[8] - right[8] - below[8] + low[8]
+    s9 = high[9] - right[9] - below[9] + low[9]
+    y1 = s8 - l10 * s7
+    g2 = (s9 - l20 * s7 - l21 * y1) / d2
+    g1 = y1 * i1 - l21 * g2
+    g0 = s7 * i0 - l10 * g1 - l20 * g2
+    return g0, g1, g2, s0, high[10] - right[10] - below[10] + low[10] - g0 * s7 - g1 * s8 - g2 * s9
 
 
 @compiled
@@ -137,7 +147,6 @@ def _fit_windows(
     sigma = np.full((height, width), np.nan, np.float32)
     residual = np.full((height, width), np.nan, np.float32)
     expected = np.full((height, width), np.nan, np.float32)
-    s, g = np.zeros(_CHANNELS), np.zeros(3)
     flat = height == 1
     for i in range(height):
         for j in range(width):
@@ -150,19 +159,18 @@ def _fit_windows(
             half = _half_window_px(rho, sigma_m * normal_scale, ray_step, window_m, normal_sigma, flat)
             top, bottom = max(i - half, 0), min(i + half + 1, height)
             left, right = max(j - half, 0), min(j + half + 1, width)
-            for k in range(_CHANNELS):
-                s[k] = table[bottom, right, k] - table[top, right, k] - table[bottom, left, k] + table[top, left, k]
-            if s[0] < _MIN_FILL * weight[i, j] * (bottom - top) * (right - left) or not _solve_plane(s, g):
+            least = _MIN_FILL * weight[i, j] * (bottom - top) * (right - left)
+            upper, lower = table[top], table[bottom]
+            g0, g1, g2, total, square = _plane(upper[left], upper[right], lower[left], lower[right], least)
+            if total == 0:
                 continue
-            size = math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])
-            along = (g[0] * x + g[1] * y + g[2] * z) / rho
+            size = math.sqrt(g0 * g0 + g1 * g1 + g2 * g2)
+            along = (g0 * x + g1 * y + g2 * z) / rho
             if along <= _MIN_COS_INCIDENCE * size:
                 continue
-            square = s[10] - g[0] * s[7] - g[1] * s[8] - g[2] * s[9]
             fitted[i, j] = 1.0 / along
-            residual[i, j] = math.sqrt(max(square, 0.0) / s[0]) * rho * rho
+            residual[i, j] = math.sqrt(max(square, 0.0) / total) * rho * rho
             spread_m = rho * ray_step * math.sqrt((half * half + half) / 3.0)
-            sigma[i, j] = normal_scale * sigma_m / (spread_m * math.sqrt(s[0]))
-            for k in range(3):
-                normal[i, j, k] = -g[k] / size
+            sigma[i, j] = normal_scale * sigma_m / (spread_m * math.sqrt(total))
+            normal[i, j, 0], normal[i, j, 1], normal[i, j, 2] = -g0 / size, -g1 / size, -g2 / size
     return normal, fitted, sigma, residual, expected

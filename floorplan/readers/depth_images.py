@@ -37,7 +37,7 @@ class DepthImages:
         depth = self._decoded(self.depth_paths[index])
         if isinstance(depth, Problem):
             return BadFrame(index, depth)
-        points = self._points(index, depth[::stride, ::stride], stride)
+        points = self._points(index, depth, stride)
         confidence = self._confidence(index, stride)
         if isinstance(confidence, Problem):
             return BadFrame(index, confidence)
@@ -58,17 +58,13 @@ class DepthImages:
 
     def _points(self, index: int, raw: Array, stride: int) -> Array:
         """Points (H, W, 3) float32 of the strided image: z = depth, x = z (u - cx) / fx, y = z (v - cy) / fy."""
+        from floorplan.readers.back_project import back_project
+
         sensor = self.recording.sensor
         (fx, fy), (cx, cy) = self.focal_px[index], self.centre_px[index]
         ray_x = ((np.arange(0, sensor.width, stride) - cx) / fx).astype(np.float32)
         ray_y = ((np.arange(0, sensor.height, stride) - cy) / fy).astype(np.float32)
-        points = np.empty((*raw.shape, 3), dtype=np.float32)
-        depth = raw * np.float32(self.metres_per_unit)
-        depth[(raw == 0) | (depth > np.float32(sensor.max_range_m))] = np.nan
-        points[..., 2] = depth
-        np.multiply(depth, ray_x, out=points[..., 0])
-        np.multiply(depth, ray_y[:, None], out=points[..., 1])
-        return points
+        return back_project(raw, stride, self.metres_per_unit, sensor.max_range_m, ray_x, ray_y)
 
     def _confidence(self, index: int, stride: int) -> "Array | Problem | None":
         if self.confidence_paths is None:
