@@ -1,5 +1,6 @@
 """A simulated scan is the same scan in every format, and a bag that was cut in half is the first half of it."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -49,3 +50,13 @@ def test_unknown_sensors_and_formats_they_are_not_written_in_are_refused(tmp_pat
         simulate(tmp_path / "a", "flat", 1, sensor="sonar")
     with pytest.raises(UsageError, match="ros1, db3, mcap"):
         simulate(tmp_path / "b", "flat", 1, format="stray", sensor="lidar16")
+
+
+def test_a_spinning_lidar_gives_a_plan_with_rooms(tmp_path: Path) -> None:
+    simulate(tmp_path / "lidar", "flat", 1, rate_hz=0.8, image_scale=0.4, format="mcap", sensor="lidar16")
+    plan = built(tmp_path / "lidar").plan
+    truth = json.loads((tmp_path / "lidar" / "truth.json").read_text())
+    visited = [space["area_m2"] for space in truth["spaces"] if space["visited"] and space["kind"] == "room"]
+    assert len(visited) >= 1
+    for area in visited:
+        assert min(abs(room.area_m2 - area) / area for room in plan.rooms) < 0.05

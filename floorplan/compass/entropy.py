@@ -15,7 +15,7 @@ from floorplan.compass.prior import CompassPrior
 from floorplan.compiled import compiled
 from floorplan.grid.normals import NoiseScale, pixel_weights
 from floorplan.model.checks import Array
-from floorplan.model.scan import IngestedScan
+from floorplan.model.scan import IngestedScan, SensorKind
 from floorplan.readers.base import BadFrame, Source
 
 BIN_M = 0.02
@@ -42,7 +42,7 @@ def entropy_survey(
 ) -> CompassPrior:
     """The fused yaw of every keyframe, to be used as it is."""
     sensor = scan.recording.sensor
-    stride = max(1, sensor.width // _GRID_PX) if sensor.height > 1 else 1
+    stride = max(1, sensor.width // _GRID_PX) if sensor.kind is SensorKind.CAMERA else 1
     fused: list[_Fused] = []
     for k, frame in enumerate(source.frames(scan.keyframe, stride)):
         before = fused[-1].yaw_rad if fused else 0.0

@@ -88,7 +88,7 @@ def _sample(scan: IngestedScan, step_m: Array) -> Array:
 def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry, progress: Progress) -> tuple[float, list[Directions]]:
     """Noise scale of the sensor and the upright directions of each sampled frame (empty ones where a frame is bad)."""
     sensor = scan.recording.sensor
-    stride = max(1, sensor.width // _GRID_PX) if sensor.height > 1 else 1
+    stride = max(1, sensor.width // _GRID_PX) if sensor.kind is SensorKind.CAMERA else 1
     ratios: list[float] = []
     kept: list[SurfaceNormals | None] = []
     for done, frame in enumerate(source.frames(scan.keyframe[sample], stride)):

@@ -1,5 +1,8 @@
 """Standard deviations of range readings, from the literature, where a recording does not say its own."""
 
+import numpy as np
+
+from floorplan.model.checks import Array
 from floorplan.model.scan import Intrinsics, NoiseModel, Sensor, SensorKind
 
 # Structured light: sigma_z grows with the square of depth (Khoshelham & Elberink 2012, Sensors 12; the coefficients are those
@@ -16,6 +19,21 @@ SPINNING_LIDAR_MAX_M = 100.0
 # SICK LMS 200: 5 mm statistical, up to 15 mm systematic; the spot grows with range (data sheet; Ye & Borenstein 2002, ICRA)
 LASER_SIGMA_M = 0.01
 LASER_SIGMA_PER_M = 0.0005
+
+
+def spinning_lidar(points: Array) -> Sensor:
+    """A spinning LiDAR of unknown make, by one of its clouds (rings, columns, 3).
+
+    Rings lie further apart than columns: the angle between rays is the one that gives a pixel its true solid angle.
+    """
+    rings, columns = points.shape[:2]
+    up = np.arctan2(points[..., 2], np.hypot(points[..., 0], points[..., 1]))
+    seen = up[np.isfinite(up)]
+    spread = float(np.ptp(seen)) if len(seen) else 0.0
+    column_step = 2 * np.pi / columns
+    ring_step = spread / max(rings - 1, 1) or column_step
+    step = float(np.sqrt(ring_step * column_step))
+    return Sensor(SensorKind.LIDAR, rings, columns, SPINNING_LIDAR, SPINNING_LIDAR_MIN_M, SPINNING_LIDAR_MAX_M, step)
 
 
 def depth_camera(lens: Intrinsics) -> Sensor:

@@ -17,12 +17,10 @@ from floorplan.readers.noise_models import (
     DEPTH_CAMERA_MIN_M,
     LASER_SIGMA_M,
     LASER_SIGMA_PER_M,
-    SPINNING_LIDAR,
-    SPINNING_LIDAR_MAX_M,
-    SPINNING_LIDAR_MIN_M,
     depth_camera,
+    spinning_lidar,
 )
-from floorplan.readers.ros_decode import cloud_of, depth_m
+from floorplan.readers.ros_decode import cloud_of, cloud_points, depth_m
 from floorplan.readers.ros_index import BagIndex
 from floorplan.readers.ros_topics import LASER_SCAN, POINT_CLOUD
 
@@ -60,7 +58,7 @@ def _cloud(cloud: Any, optical: bool) -> Sensor:
     if optical:
         step = np.deg2rad(60.0) / width  # usual field of view: only the order of magnitude of the neighbours' angle matters
         return Sensor(SensorKind.CAMERA, height, width, DEPTH_CAMERA, DEPTH_CAMERA_MIN_M, DEPTH_CAMERA_MAX_M, float(step))
-    return Sensor(SensorKind.LIDAR, height, width, SPINNING_LIDAR, SPINNING_LIDAR_MIN_M, SPINNING_LIDAR_MAX_M, 2 * np.pi / width)
+    return spinning_lidar(cloud_points(cloud, rings))
 
 
 def rings_of(cloud: Any) -> RingGrid | None:

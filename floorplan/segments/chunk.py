@@ -9,7 +9,7 @@ from floorplan.compass.prior import CompassPrior
 from floorplan.config import CompassConfig, SegmentsConfig
 from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
-from floorplan.model.scan import Frame, IngestedScan, Problem, Sensor
+from floorplan.model.scan import Frame, IngestedScan, Problem, Sensor, SensorKind
 from floorplan.model.segment import NO_SEGMENT, EvidencePoints, FreePatches, Segments
 from floorplan.readers.base import BadFrame
 from floorplan.segments.frame import segment_frame
@@ -17,8 +17,8 @@ from floorplan.segments.values import SegmentedChunk, SegmentedFrame
 
 
 def grid_stride(sensor: Sensor, config: SegmentsConfig) -> int:
-    """The stride to read frames with: no grid wider than `max_columns`; a sweep keeps all its beams."""
-    return max(config.pixel_stride, math.ceil(sensor.width / config.max_columns)) if sensor.height > 1 else 1
+    """The stride to read frames with: no grid wider than `max_columns`; sweeps keep all beams, and LiDARs all of their few rings."""
+    return max(config.pixel_stride, math.ceil(sensor.width / config.max_columns)) if sensor.kind is SensorKind.CAMERA else 1
 
 
 def segment_chunk(
