@@ -31,8 +31,8 @@ class IngestConfig:
     keyframe_distance_m: float = 0.10  # a frame that moved less ...
     keyframe_angle_deg: float = 4.0  # ... and turned less than this since the last keyframe shows nothing new
     keyframe_gap_s: float = 1.0  # one keyframe at least this often
-    laser_keyframe_distance_m: float = 0.02  # a sweep costs a hundredth of an image: keep all that moved by more than its noise ...
-    laser_keyframe_angle_deg: float = 0.5  # ... or turned by a beam's width; thousands at one place carry no news
+    laser_keyframe_distance_m: float = 0.10  # sweeps between are placed by matching; many at one place carry no news ...
+    laser_keyframe_angle_deg: float = 3.0  # ... but a turn brings new beams into view: a little more densely than a camera's
     max_unreadable_share: float = 0.10  # of the depth images; with more the recording itself is suspect
     returns_to_start: bool | None = None  # None: as the recording says
 

@@ -30,6 +30,7 @@ def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -
         facing=tracks.facing,
         extent_m=tracks.extent_m,
         sigma_m=rows.sigma_m,
+        heading_sigma_rad=float(np.median(segmented.frames.yaw_sigma_rad)),
     )
     return with_signs_from_facing(graph)[0]
 

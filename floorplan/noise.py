@@ -37,7 +37,13 @@ def estimate_noise(graph: LayoutGraph, reweightings: int = 2) -> ScanNoise:
     pieces = windows(graph, WINDOW_FRAMES)
     for _ in range(reweightings):
         noise = _reweighted(graph, noise, ~wrong, pieces)
-    return most_likely(noise, pieces)
+    return _with_heading(most_likely(noise, pieces), graph.heading_sigma_rad)
+
+
+def _with_heading(noise: ScanNoise, heading_sigma_rad: float) -> ScanNoise:
+    """A yaw off by an angle turns every step by it, sideways; inside one track that does not show where matching made the rows agree."""
+    sideways = max(noise.drift.sideways_sigma, heading_sigma_rad)
+    return replace(noise, drift=within_bounds(replace(noise.drift, sideways_sigma=sideways)))
 
 
 def windowed(noise: ScanNoise, window: Window) -> ScanNoise:

@@ -14,34 +14,40 @@ _VAGUE_RAD2 = 1.0  # variance before the first reading
 _FEWEST_READINGS = 12  # fewer say nothing about their own noise
 _DEFAULT_WALK_RAD = math.radians(0.1)
 _READING_SCALE_RANGE = (0.2, 5.0)
+SHARED_ERRORS = 1.0  # least factor on the readings' sigma where neighbouring ones err alike: their differences hide it
 _MEAN_OF_MEDIAN_SQUARE = 2.198  # mean over median of a squared normal variable
 _MIN_STEP_SIGMA_RAD = math.radians(0.002)  # odometry is never perfect
 
 
 @dataclass(frozen=True)
 class SmoothedAngle:
-    """`angle_rad (K,)` and its standard deviation `sigma_rad (K,)`; `step_sigma_rad (K - 1,)` the process noise used."""
+    """`angle_rad (K,)` and its standard deviation `sigma_rad (K,)`; `step_sigma_rad (K - 1,)` the process noise used.
+
+    `shared` is the part of the readings' sigma that their differences do not show, because neighbours err alike.
+    """
 
     angle_rad: Array
     sigma_rad: Array
     step_sigma_rad: Array
+    shared: float = 0.0
 
 
-def smooth_angle(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> SmoothedAngle:
+def smooth_angle(angle_rad: Array, sigma_rad: Array, step_scale: Array, least_scale: float = 0.0) -> SmoothedAngle:
     """Random-walk smoothing of `angle_rad (K,)` with `sigma_rad (K,)` (infinite where nothing was read).
 
     `step_scale (K - 1,)` is how the walk's standard deviation varies from step to step. The size of the walk and of
-    the readings' own noise are learnt from the readings; readings far off are down-weighted.
+    the readings' own noise (at least `least_scale` of their sigma) are learnt from the readings; readings far off are down-weighted.
     """
     reading_scale, walk_size = _noise_sizes(angle_rad, sigma_rad, step_scale)
     step = np.maximum(walk_size * step_scale, _MIN_STEP_SIGMA_RAD)
-    sigma = sigma_rad * reading_scale
+    sigma = sigma_rad * max(reading_scale, least_scale)  # averaging cannot remove what neighbours share
     weight = np.ones(len(angle_rad))
     for _ in range(_ROUNDS):
         mean, variance = _smooth(angle_rad, sigma**2 / weight, step**2)
         off = np.abs(angle_rad - mean) / np.where(np.isfinite(sigma), sigma, np.inf)
         weight = np.where(off > _HUBER, _HUBER / np.maximum(off, 1e-12), 1.0)
-    return SmoothedAngle(mean, np.sqrt(variance), step)
+    shared = math.sqrt(max(least_scale**2 - reading_scale**2, 0.0))
+    return SmoothedAngle(mean, np.sqrt(variance), step, shared)
 
 
 def _noise_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple[float, float]:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floorplan.compass.prior import CompassPrior, heading_walk
-from floorplan.compass.smoothing import smooth_angle
+from floorplan.compass.smoothing import SHARED_ERRORS, smooth_angle
 from floorplan.geometry import rotation_about_z, wrap_to
 from floorplan.model.checks import Array
-from floorplan.model.scan import IngestedScan, Problem
+from floorplan.model.scan import IngestedScan, Problem, SensorKind
 from floorplan.model.segment import EvidencePoints, FreePatches, ManhattanFrames, SegmentedScan, Segments
 from floorplan.segments.chunk import join_evidence, join_patches, join_segments, prior_rotation
 from floorplan.segments.rotation import corrections, small_rotation
@@ -38,7 +38,8 @@ def join(scan: IngestedScan, prior: CompassPrior, chunks: Sequence[SegmentedChun
         measured[chunk.frame] = chunk.measured
     segments = join_segments([c.segments for c in ordered])
     ripple_m = sensor_ripple_m(ordered)
-    rotations = _smoothed(segments, rough, prior, ripple_m) if not prior.final else _as_labelled(rough, yaw_sigma)
+    sweeps = scan.recording.sensor.kind is SensorKind.LASER
+    rotations = _smoothed(segments, rough, prior, ripple_m, sweeps) if not prior.final else _as_labelled(rough, yaw_sigma)
     frames = ManhattanFrames(rotations.world_from_sensor, rotations.sigma_rad[:, 2], measured)
     patches = _turned_patches(join_patches([c.free_patches for c in ordered]), rough, rotations.world_from_sensor)
     evidence = join_evidence([c.evidence for c in ordered], [len(c.segments) for c in ordered])
@@ -69,19 +70,25 @@ def _as_labelled(rough: Array, yaw_sigma: Array) -> _Rotations:
     return _Rotations(rough, np.stack((tilt, tilt, yaw_sigma), axis=1))
 
 
-def _smoothed(segments: Segments, rough: Array, prior: CompassPrior, ripple_m: float) -> _Rotations:
-    """Rotations after the segments' corrections, smoothed with past and future against the odometry."""
+def _smoothed(segments: Segments, rough: Array, prior: CompassPrior, ripple_m: float, sweeps: bool) -> _Rotations:
+    """Rotations after the segments' corrections, smoothed with past and future against the odometry.
+
+    One line through each wall: neighbouring `sweeps` hit the same radiators and skirtings, and err alike.
+    """
     found = corrections(segments, rough, ripple_m)
     turned = rough @ np.swapaxes(prior.level_from_sensor, 1, 2)
     yaw = np.arctan2(turned[:, 1, 0], turned[:, 0, 0])
     yaw = prior.yaw_rad + wrap_to(yaw - prior.yaw_rad, 2 * np.pi)
     walk = heading_walk(prior.turn_rad, prior.step_m)
-    heading = smooth_angle(yaw + found.delta_rad[:, 2], found.sigma_rad[:, 2], walk)
+    reading_sigma = found.sigma_rad[:, 2]
+    heading = smooth_angle(yaw + found.delta_rad[:, 2], reading_sigma, walk, SHARED_ERRORS if sweeps else 0.0)
     tilt = [smooth_angle(found.delta_rad[:, a], found.sigma_rad[:, a], walk) for a in (0, 1)]
     delta = np.stack((tilt[0].angle_rad, tilt[1].angle_rad, np.zeros(len(rough))), axis=1)
     rotation = small_rotation(delta) @ rotation_about_z(heading.angle_rad) @ prior.level_from_sensor
     tilt_sigma = [np.minimum(t.sigma_rad, _TILT_SIGMA_RAD) for t in tilt]
-    sigma = np.stack((*tilt_sigma, heading.sigma_rad), axis=1)
+    read = reading_sigma[np.isfinite(reading_sigma)]
+    shared_rad = heading.shared * float(np.median(read)) if len(read) else 0.0
+    sigma = np.stack((*tilt_sigma, np.hypot(heading.sigma_rad, shared_rad)), axis=1)
     return _Rotations(rotation, np.hypot(sigma, found.shared_rad))
 
 
