@@ -5,6 +5,7 @@ from floorplan.plan.bodies import Body
 from floorplan.plan.corners import FaceRun
 
 MAX_SIDE_M = 1.2  # longer it is a piece of wall
+MAX_STRETCH = 2.5  # times as long as wide: more is a stub of wall
 SAME_EDGE_M = 1e-3
 
 
@@ -36,7 +37,8 @@ def _is_side(face: FaceRun, body: Body) -> bool:
 
 
 def _is_column(body: Body, bodies: tuple[Body, ...], faces: tuple[FaceRun, ...]) -> bool:
-    if body.end_m - body.start_m > MAX_SIDE_M:
+    sides = sorted((body.end_m - body.start_m, body.thickness_m))
+    if sides[1] > min(MAX_SIDE_M, MAX_STRETCH * sides[0]):
         return False
     whole = all(
         max(abs(faces[k].start_m - body.start_m), abs(faces[k].end_m - body.end_m)) < SAME_EDGE_M for k in (body.low_face, body.high_face)

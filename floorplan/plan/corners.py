@@ -69,9 +69,11 @@ def _corner(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: 
         if other.axis == face.axis or abs(other.offset_m - at) > reach_m:
             continue
         gap = (other.offset_m - at) * direction
-        if is_open and gap > 2 * MIN_SIDE_M:  # rays passed between this end and that face
+        looks_back = other.facing == -direction
+        # Rays passed beyond this end: it is where it was seen, nothing but a surface that looks back along it can end it elsewhere.
+        if is_open and (gap > 2 * MIN_SIDE_M or (gap < -2 * MIN_SIDE_M and not looks_back)):
             continue
-        side = face.facing if other.facing == -direction else -face.facing  # inner corner, or outer
+        side = face.facing if looks_back else -face.facing  # inner corner, or outer
         nearer = best is None or abs(gap) < abs(best.offset_m - at)
         if nearer and _reaches_side(other, face.offset_m, side, reach_m):
             best = other

@@ -14,6 +14,7 @@ from floorplan.plan.surface_evidence import PlaneEvidence
 
 TOP_WINDOW_M = 0.4  # how far below the highest evidence "seen over the top" looks
 SPARSE_COLUMNS = 3  # points of one surface lie no farther apart than this when it was really looked at
+MIN_OF_BLOCKED = 0.1  # a run hit less often than this share of what stands right before it is made of stray readings
 SMOOTH_COLUMNS = 2  # neighbours on each side whose rays are counted along with a column's own near the top
 
 
@@ -23,6 +24,7 @@ class Reason(StrEnum):
     LOW = "does not reach wall height"
     SEEN_THROUGH = "rays passed through"
     OVER_TOP = "seen over the top"
+    BEHIND = "behind what stands before it"
     SHORT = "too short"
     FEW_FRAMES = "seen in too few frames"
     DOUBLED = "doubled by a better supported face"
@@ -120,9 +122,11 @@ def _runs_of_plane(
         before = first - found[k - 1][1] if k else first
         after = found[k + 1][0] - last if k + 1 < len(found) else len(verdict.wall) - last
         run = _run(evidence, verdict, _Span(first, last, before / 2, after / 2), heights)
-        seen_in = int(evidence.frames[first:last].max())
+        seen_in = evidence.frames(first, last)
         if run.length_m < config.min_wall_length_m:
             refused.append((Reason.SHORT, run.length_m))
+        elif heights and run.hits < MIN_OF_BLOCKED * evidence.blocked[first:last].sum():
+            refused.append((Reason.BEHIND, run.length_m))
         elif seen_in < config.min_frames:
             refused.append((Reason.FEW_FRAMES, run.length_m))
         else:

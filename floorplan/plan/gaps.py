@@ -98,7 +98,7 @@ def _distance(face: FaceRun, other: FaceRun, at: float, direction: int) -> float
 
 def _gap(face: int, after: int | None, start: float, end: float, evidence: PlaneEvidence, config: PlanConfig, heights: bool) -> Gap:
     first, last = (
-        int(np.clip(np.round((x - evidence.along_start_m) / evidence.along_step_m), 0, len(evidence.frames))) for x in (start, end)
+        int(np.clip(np.round((x - evidence.along_start_m) / evidence.along_step_m), 0, len(evidence.hits))) for x in (start, end)
     )
     last = max(last, first + 1)
     hits, passes = evidence.hits[first:last], evidence.passes[first:last]

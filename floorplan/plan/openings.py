@@ -9,10 +9,13 @@ from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.plan import Opening, OpeningKind, Point, Wall
 from floorplan.plan.corners import FaceRun
-from floorplan.plan.gaps import OPEN_SHARE, Gap
+from floorplan.plan.gaps import OPEN_SHARE, SAME_SURFACE_M, Gap
 
 EDGE_SIGMA_M = 0.005  # of one jamb: the grain of the fine ray counts
 AT_END_M = 0.10  # jambs of the two faces are drawn within this of the opening's mean end
+MAX_DOOR_HEAD_M = 2.3  # door leaves end below; what begins higher is a beam or the head of a passage
+RECESS_SHARE = 0.5  # of a gap backed by wall a wall's thickness behind: a recess or the space between piers, no opening
+NEARBY_WIDTHS = 2.0  # wall that an opening is in is looked for this many widths to both sides
 MIN_SHARED = 0.5  # two gaps of the two faces of a wall are one opening when they share this much of the narrower
 
 
@@ -29,7 +32,8 @@ def find_openings(
     """Openings O1.. from the gaps of wall faces; `bodies` are the faces that have a partner, `path_xy_m (F, 2)` where the sensor went."""
     path = LineString(path_xy_m) if len(path_xy_m) > 1 else LineString()
     openings: list[Opening] = []
-    for group in _groups([gap for gap in gaps if _may_open(gap, config)], faces, config):
+    through = [gap for gap in gaps if _may_open(gap, config) and not _is_recess(gap, faces, config)]
+    for group in _groups(through, faces, config):
         opening = _opening(len(openings) + 1, group, faces, path, bodies, config)
         if opening is not None:
             openings.append(opening)
@@ -39,6 +43,17 @@ def find_openings(
 def _may_open(gap: Gap, config: PlanConfig) -> bool:
     wide_enough = config.min_door_width_m <= gap.width_m <= config.max_opening_width_m
     return gap.passed >= OPEN_SHARE and (gap.is_window or wide_enough)
+
+
+def _is_recess(gap: Gap, faces: tuple[FaceRun, ...], config: PlanConfig) -> bool:
+    """Whether a wall that faces the same way stands close behind the gap."""
+    own = faces[gap.face]
+    backed = 0.0
+    for face in faces:
+        behind = (own.offset_m - face.offset_m) * own.facing
+        if face.axis == own.axis and face.facing == own.facing and SAME_SURFACE_M < behind <= config.max_thickness_m:
+            backed += max(0.0, min(face.end_m, gap.end_m) - max(face.start_m, gap.start_m))
+    return backed > RECESS_SHARE * gap.width_m
 
 
 def _groups(gaps: list[Gap], faces: tuple[FaceRun, ...], config: PlanConfig) -> list[GapGroup]:
@@ -71,7 +86,8 @@ def _opening(
     middle, across = (start + end) / 2, (min(offsets) + max(offsets)) / 2
     centre = (across, middle) if axis == 0 else (middle, across)
     walked = bool(path.intersects(_sill_line(axis, across, start, end)))
-    kind = _kind(gaps, walked, any(gap.face in bodies for gap in gaps))
+    in_wall = any(_wall_beside_m(gap, faces) >= gap.width_m for gap in gaps)
+    kind = _kind(gaps, walked, any(gap.face in bodies for gap in gaps), in_wall)
     if kind is None:
         return None
     spread = max(float(np.ptp([gap.start_m for gap in gaps])), float(np.ptp([gap.end_m for gap in gaps])))
@@ -97,15 +113,26 @@ def _sill_line(axis: int, across: float, start: float, end: float) -> LineString
     return LineString(ends)
 
 
-def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool) -> OpeningKind | None:
-    """Door under a lintel, window over a sill, passage where walls end and nothing is above; None where the evidence does not tell."""
+def _wall_beside_m(gap: Gap, faces: tuple[FaceRun, ...]) -> float:
+    """Length of the wall on the gap's line nearby: piers to both sides of a wide gap are no wall that it is an opening of."""
+    own = faces[gap.face]
+    same = [f for f in faces if f.axis == own.axis and f.facing == own.facing and abs(f.offset_m - own.offset_m) <= SAME_SURFACE_M]
+    reach = NEARBY_WIDTHS * gap.width_m
+    return sum(max(0.0, min(f.end_m, gap.end_m + reach) - max(f.start_m, gap.start_m - reach)) for f in same)
+
+
+def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool, in_wall: bool) -> OpeningKind | None:
+    """Door under a lintel, window over a sill, passage in a wall where nothing is above; None where the evidence does not tell."""
     if not walked and all(gap.is_window for gap in gaps):
         return OpeningKind.WINDOW
     if not walked and not any(gap.low_open for gap in gaps) and any(gap.lintel is not None for gap in gaps):
         return None  # hidden near the floor: a door or a window, who knows
-    if any(gap.lintel for gap in gaps):
+    heads = [gap.head_m for gap in gaps if gap.head_m is not None]
+    if any(gap.lintel for gap in gaps) and (not heads or min(heads) <= MAX_DOOR_HEAD_M):
         return OpeningKind.DOOR
-    if any(gap.lintel is False for gap in gaps):
+    if not in_wall:
+        return None
+    if any(gap.lintel is not None for gap in gaps):
         return OpeningKind.PASSAGE if has_body or walked else None
     if has_body and walked:
         return OpeningKind.DOOR

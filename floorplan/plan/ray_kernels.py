@@ -8,6 +8,7 @@ from floorplan.model.checks import Array
 MIN_INCIDENCE = 0.15  # sine of 9 degrees: below it a ray's crossing point slides by more than a cell for 1 cm of noise
 
 
+BLOCKER_DEPTH_M = 0.8  # what stands this near before a surface hides it: the depth of a cabinet and the slit behind it
 HIT, PASSED, BLOCKED, NOTHING = 1, 2, 3, 0
 
 
@@ -18,7 +19,7 @@ def _kind(before: float, beyond: float, mine: bool, loose: bool, tolerance: floa
         return HIT
     if (beyond < -tolerance and before > 0) or (beyond > tolerance and before < -tolerance):
         return PASSED
-    return BLOCKED if beyond > tolerance and before > beyond else NOTHING
+    return BLOCKED if tolerance < beyond <= BLOCKER_DEPTH_M and before > beyond else NOTHING
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
@@ -38,15 +39,15 @@ def count_rays(
     band: Array,
     counts: Array,
     fine: Array,
-    frames: Array,
+    seen: Array,
 ) -> None:
-    """Fill `counts (3, U, Z)`, `fine (3, U * K)` (hits, passed, blocked; fine: heights in `band` alone) and `frames (U,)`.
-    `grid` is (along, up, step along, step up).
+    """Fill `counts (3, U, Z)`, `fine (3, U * K)` (hits, passed, blocked; fine: heights in `band` alone) and
+    `seen (U, F)`, whether a frame hit a column. `grid` is (along, up, step along, step up).
 
+    Passes count where the ray crossed the plane, blockers where they stand before it.
     A point of no plane counts as a hit when it lies on this one within the box `reach` (along low, high, up low, high).
     """
     along = 1 - axis
-    last_frame = np.full(frames.shape[0], -1)
     finer = fine.shape[1] // counts.shape[1]
     for i in range(point.shape[0]):
         f = point_frame[i]
@@ -57,7 +58,7 @@ def count_rays(
         kind = _kind(before, beyond, mine, loose, tolerance[i])
         if kind == NOTHING:
             continue
-        if kind != HIT:
+        if kind == PASSED:
             run, du, dz = before - beyond, u - sensor[f, along], z - sensor[f, 2]
             if abs(run) < MIN_INCIDENCE * np.sqrt(run * run + du * du + dz * dz):
                 continue
@@ -68,9 +69,8 @@ def count_rays(
         counts[kind - 1, a, b] += weight[i]
         if band[0] <= z <= band[1]:
             fine[kind - 1, min(int((u - grid[0]) / grid[2] * finer), fine.shape[1] - 1)] += weight[i]
-        if kind == HIT and mine and last_frame[a] != f:
-            last_frame[a] = f
-            frames[a] += 1
+        if kind == HIT:
+            seen[a, f] = True
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]

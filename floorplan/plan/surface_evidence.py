@@ -1,4 +1,4 @@
-"""What the rays say about every upright plane: per cell of it, hits, rays that passed through, rays that ended before it."""
+"""What the rays say about every upright plane: per cell of it, hits, rays that passed through, rays that ended right before it."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ MARGIN_ALONG_M = 1.8  # beyond a plane's extent: wide enough for a door beside i
 LOWEST_M, HIGHEST_M = -0.3, 6.0  # heights above the floor that are looked at
 NOISE_SIGMAS = 2.5  # readings farther off a surface than this are not on it
 UNBOUNDED_M = 1e6  # higher than anything
-LOOSE_MARGIN_M = 0.15  # a surface goes on this far beyond its segments, whose ends are trimmed
+LOOSE_MARGIN_M = 0.15  # a surface goes on this far above and below its segments, whose ends are trimmed
 MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
 
 
@@ -23,7 +23,8 @@ class PlaneEvidence:
     """Ray counts on one upright plane, weighted in pixels; U columns along it, Z rows up.
 
     Column c begins at `along_start_m + c * along_step_m`, row r at `up_start_m + r * up_step_m` above the floor.
-    `hits`, `passes`, `blocked (U, Z)`; `fine_hits`, `fine_passes (U * FINE_CELLS,)` within the wall band; `frames (U,)`.
+    `hits`, `passes`, `blocked (U, Z)`; `fine_hits`, `fine_passes (U * FINE_CELLS,)` within the wall band;
+    `hit_from (K, 2)` the pairs of a column and a keyframe that hit it, ordered.
     """
 
     plane: int
@@ -36,11 +37,16 @@ class PlaneEvidence:
     blocked: Array
     fine_hits: Array
     fine_passes: Array
-    frames: Array
+    hit_from: Array
 
     def row(self, height_m: float) -> int:
         """Row of a height, clipped to the grid."""
         return int(np.clip(np.floor((height_m - self.up_start_m) / self.up_step_m + 1e-6), 0, self.hits.shape[1]))
+
+    def frames(self, first: int, last: int) -> int:
+        """How many keyframes hit the columns `first` to `last` (exclusive)."""
+        begin, end = np.searchsorted(self.hit_from[:, 0], (first, last))
+        return len(np.unique(self.hit_from[begin:end, 1]))
 
     def along_m(self, column: int) -> float:
         """Coordinate at which a column begins."""
@@ -71,7 +77,7 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
     if not world.heights:  # one row that holds everything: a level sweep knows no heights
         up_start, up_step, rows, band = -UNBOUNDED_M, 2 * UNBOUNDED_M, 1, np.array([-np.inf, np.inf])
     counts, fine = np.zeros((3, columns, rows)), np.zeros((3, columns * FINE_CELLS))
-    frames = np.zeros(columns, dtype=np.int64)
+    seen = np.zeros((columns, len(world.trajectory.position_m)), dtype=np.bool_)
     count_rays(
         world.trajectory.position_m,
         world.point_m,
@@ -88,13 +94,14 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
         band,
         counts,
         fine,
-        frames,
+        seen,
     )
-    return PlaneEvidence(plane, start, step, up_start, up_step, counts[0], counts[1], counts[2], fine[0], fine[1], frames)
+    pairs = np.argwhere(seen).astype(np.int32)
+    return PlaneEvidence(plane, start, step, up_start, up_step, counts[0], counts[1], counts[2], fine[0], fine[1], pairs)
 
 
 def _reach(world: PlanWorld, plane: int) -> Array:
     """Where points of no plane may belong to this one: its extent and a margin (along low, high, up low, high)."""
     along, up = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])], world.plane_extent_m[plane, 2]
-    box = np.array([along[0] - LOOSE_MARGIN_M, along[1] + LOOSE_MARGIN_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
+    box = np.array([along[0] - MARGIN_ALONG_M, along[1] + MARGIN_ALONG_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
     return np.where(np.isnan(box), [-np.inf, np.inf, -np.inf, np.inf], box)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from floorplan.model.plan import OpeningKind
+from floorplan.model.plan import OpeningKind, Plan
 from tests.plan.box_world import CEILING_M, Box, BoxScan, cast, two_rooms, wall_with_gap
 
 
@@ -43,3 +43,25 @@ def test_a_closed_wall_has_no_opening() -> None:
     plan = room_with(wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, [])).plan()
     assert plan.openings == ()
     assert [round(room.area_m2, 1) for room in plan.rooms] == [20.0]
+
+
+def test_piers_and_a_beam_across_a_room_are_no_door() -> None:
+    pier: Box = (2.4, 2.7, 0.0, 0.4, 0.0, CEILING_M)
+    other: Box = (2.4, 2.7, 3.6, 4.0, 0.0, CEILING_M)
+    beam: Box = (2.4, 2.7, 0.0, 4.0, 2.4, CEILING_M)
+    plan = room_with(wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, []), [pier, other, beam]).plan()
+    assert plan.openings == ()
+    assert len([room for room in plan.rooms if room.area_m2 > 5]) == 1
+    assert not any(abs(a[0] - b[0]) < 1e-6 and abs(a[1] - b[1]) > 0.6 for wall in plan.walls for a, b in wall.seen if _off_sides(plan, a))
+
+
+def _off_sides(plan: Plan, point: tuple[float, float]) -> bool:
+    """Whether a point lies off the left and right side of the room."""
+    sides = [x for x, _ in plan.rooms[0].outline]
+    return min(sides) + 0.5 < point[0] < max(sides) - 0.5
+
+
+def test_the_space_between_two_piers_before_a_wall_is_no_opening() -> None:
+    piers: list[Box] = [(1.0, 2.0, 0.0, 0.2, 0.0, CEILING_M), (2.7, 3.7, 0.0, 0.2, 0.0, CEILING_M)]
+    plan = room_with(wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, []), piers).plan()
+    assert plan.openings == ()
