@@ -1,23 +1,42 @@
 """The size of the odometry's errors by marginal likelihood: what the tracks say about it with everything else integrated out."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from floorplan.chain import log_marginal_likelihood
 from floorplan.errors import NoSolutionError
+from floorplan.lumps import lump_length_m, lumped
 from floorplan.model.checks import Array
+from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system
 from floorplan.windows import Window
 
 RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a variance; beyond, odometry says nothing
 PART_FLOOR, PART_CEILING = 1e-3, 0.2  # parts of the step; beyond 20 % it is a fault, not drift
-SPANS = (np.log(2.0), np.log(2.0), np.log(1.5))  # half width of the parabola through three likelihoods, per sweep
+SPANS = (np.log(2.0), np.log(1.6))  # half width of the parabola through three likelihoods, per sweep
 LARGEST_MOVE = 2.0  # spans; a parabola that opens downwards far away is not to be trusted
 FORGOTTEN = 1e-10  # share of a column not worth carrying on; at 1e-8 likelihoods still change by more than one
+TYPICAL_RATE, TYPICAL_PART, TYPICAL_SLOPE = 0.005, 0.01, 0.003  # odometry of cameras and wheels, where a short scan says nothing
+RATE_SPREAD, PART_SPREAD = 1.2, 1.0  # of their logarithms: factors of 3 either way are ordinary, of 10 happen
+LIKE_SPREAD = 0.7  # of the logarithm of scale over sideways: errors of one odometry along and across are of one size
+FACTOR_SPREAD = 0.5  # of the logarithm of the one factor on all sigmas, which residuals have set already
 WINDOWS_ASKED = 3  # spread over the scan; more would not change two digits
+
+
+Drift = TypeVar("Drift", DriftModel, VerticalDrift)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A window, lumped: its graph, the sigmas (R,) of its rows, the mean number of frames in a lump."""
+
+    graph: LayoutGraph
+    sigma_m: Array
+    frames: float
 
 
 def within_bounds(drift: DriftModel) -> DriftModel:
@@ -41,14 +60,14 @@ def most_likely(noise: ScanNoise, pieces: Sequence[Window]) -> ScanNoise:
 
     x and y first (rate, scale, sideways, factor), then z (rate, slope) with that factor.
     """
-    level = _asked(pieces, LEVEL_AXES)
+    level = _asked(pieces, LEVEL_AXES, noise.sigma_m, noise.drift.rate_m_per_sqrt_m)
     if level:
         start = np.log([noise.drift.rate_m_per_sqrt_m, noise.drift.scale_sigma, noise.drift.sideways_sigma, 1.0])
-        noise = _with_level(noise, _climb(lambda at: _likelihood(_with_level(noise, at), level, LEVEL_AXES), start))
-    upright = _asked(pieces, UPRIGHT_AXES)
+        noise = _with_level(noise, _climb(lambda at: _level_score(noise, at, level), start))
+    upright = _asked(pieces, UPRIGHT_AXES, noise.sigma_m, noise.vertical.rate_m_per_sqrt_m)
     if upright:
         start = np.log([noise.vertical.rate_m_per_sqrt_m, noise.vertical.slope_sigma])
-        noise = _with_upright(noise, _climb(lambda at: _likelihood(_with_upright(noise, at), upright, UPRIGHT_AXES), start))
+        noise = _with_upright(noise, _climb(lambda at: _upright_score(noise, at, upright), start))
     return noise
 
 
@@ -74,14 +93,37 @@ def _top_of_parabola(low: float, middle: float, high: float) -> float:
     return LARGEST_MOVE if high > low else -LARGEST_MOVE
 
 
-def _likelihood(noise: ScanNoise, asked: Sequence[Window], axes: tuple[int, ...]) -> float:
+def _likelihood(noise: ScanNoise, factor: float, asked: Sequence[_Asked], axes: tuple[int, ...]) -> float:
     total = 0.0
-    for window in asked:
-        system = build_system(window.graph, replace(noise, sigma_m=noise.sigma_m[window.rows]), axes, FORGOTTEN)
+    for piece in asked:
+        drift, vertical = _over_lumps(noise.drift, piece.frames), _over_lumps(noise.vertical, piece.frames)
+        thin = replace(noise, drift=drift, vertical=vertical, sigma_m=piece.sigma_m * factor)
+        system = build_system(piece.graph, thin, axes, FORGOTTEN)
         total += log_marginal_likelihood(system.reduced)
     if not np.isfinite(total):
         raise NoSolutionError("The likelihood of the odometry's drift is not finite: check distances and translations for NaN.")
     return total
+
+
+def _level_score(noise: ScanNoise, at: Array, asked: Sequence[_Asked]) -> float:
+    return _likelihood(_with_level(noise, at), float(np.exp(at[3])), asked, LEVEL_AXES) + _level_prior(at)
+
+
+def _upright_score(noise: ScanNoise, at: Array, asked: Sequence[_Asked]) -> float:
+    return _likelihood(_with_upright(noise, at), 1.0, asked, UPRIGHT_AXES) + _upright_prior(at)
+
+
+def _level_prior(at: Array) -> float:
+    """Log prior of (rate, scale, sideways, factor): without it a short scan, by chance, calls its odometry perfect."""
+    rate, scale, sideways, factor = at
+    parts = ((scale - np.log(TYPICAL_PART)) ** 2 + (sideways - np.log(TYPICAL_PART)) ** 2) / PART_SPREAD**2
+    white = ((rate - np.log(TYPICAL_RATE)) / RATE_SPREAD) ** 2 + (factor / FACTOR_SPREAD) ** 2
+    return float(-0.5 * (parts + white + ((scale - sideways) / LIKE_SPREAD) ** 2))
+
+
+def _upright_prior(at: Array) -> float:
+    rate, slope = at
+    return float(-0.5 * (((rate - np.log(TYPICAL_RATE)) / RATE_SPREAD) ** 2 + ((slope - np.log(TYPICAL_SLOPE)) / PART_SPREAD) ** 2))
 
 
 def _with_level(noise: ScanNoise, at: Array) -> ScanNoise:
@@ -96,7 +138,16 @@ def _with_upright(noise: ScanNoise, at: Array) -> ScanNoise:
     return replace(noise, vertical=vertical_within_bounds(vertical))
 
 
-def _asked(pieces: Sequence[Window], axes: tuple[int, ...]) -> list[Window]:
+def _over_lumps(drift: Drift, n: float) -> Drift:
+    """White steps between the mean places of lumps of n frames have `(2 n^2 + 1) / (3 n^2)` of the variance of steps between frames."""
+    return replace(drift, rate_m_per_sqrt_m=drift.rate_m_per_sqrt_m * ((2 * n**2 + 1) / (3 * n**2)) ** 0.5)
+
+
+def _asked(pieces: Sequence[Window], axes: tuple[int, ...], sigma_m: Array, rate: float) -> list[_Asked]:
     useful = [piece for piece in pieces if np.isin(piece.graph.axis, axes).any()]
     places = np.linspace(0, len(useful) - 1, min(WINDOWS_ASKED, len(useful))).round().astype(int)
-    return [useful[i] for i in np.unique(places)]
+    length_m, asked = lump_length_m(sigma_m, rate), []
+    for i in np.unique(places):
+        graph, sigma = lumped(useful[i], sigma_m, length_m)
+        asked.append(_Asked(graph, sigma, len(useful[i].graph.stamp_s) / len(graph.stamp_s)))
+    return asked

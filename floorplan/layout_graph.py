@@ -8,6 +8,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
 from floorplan.model.segment import NO_TRACK, SegmentedScan, Segments, Tracks
+from floorplan.range_accuracy import range_accuracy
 
 
 def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -> LayoutGraph:
@@ -31,6 +32,7 @@ def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -
         extent_m=tracks.extent_m,
         sigma_m=rows.sigma_m,
         heading_sigma_rad=float(np.median(segmented.frames.yaw_sigma_rad)),
+        range_accuracy=range_accuracy(recording.sensor),
     )
     return with_signs_from_facing(graph)[0]
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from floorplan.chain import solve_offsets
 from floorplan.config import LeastSquaresConfig
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.noise import estimate_noise
 from floorplan.reduction import reduce_axis
 from floorplan.rows import AXES, AxisRows, AxisSolution, RowWeights, axis_rows, residual_norm, right_hand_side, split
-from floorplan.weighted_resolve import weighted_resolve
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
 
 
 def least_squares(graph: LayoutGraph, config: LeastSquaresConfig) -> LeastSquaresSolution:
@@ -22,8 +23,15 @@ def least_squares(graph: LayoutGraph, config: LeastSquaresConfig) -> LeastSquare
 def robust_least_squares(graph: LayoutGraph) -> LeastSquaresSolution:
     """Least squares under the noise estimated from the graph itself; the `residual` is unweighted all the same."""
     noise = estimate_noise(graph)
-    solved = weighted_resolve(graph, np.arange(len(graph.axis)), noise, keep_covariance=False)
-    return LeastSquaresSolution(solved.position_m, solved.plane_offset_m, solved.residual_m, noise)
+    place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
+    offset = np.zeros(len(graph.axis))
+    for axes in (LEVEL_AXES, UPRIGHT_AXES):
+        if np.isin(graph.axis, axes).any():
+            system = build_system(graph, noise, axes)
+            columns = solve_offsets(system.reduced)
+            offset[system.tracks] = columns[: len(system.tracks)]
+            place[:, list(axes)] = positions(system, columns)
+    return LeastSquaresSolution(place, offset, residual_norm(graph, place, offset), noise)
 
 
 def weighted_least_squares(graph: LayoutGraph, weights: RowWeights | None) -> LeastSquaresSolution:

@@ -8,6 +8,7 @@ from floorplan.config import ResolveConfig
 from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
+from floorplan.range_accuracy import with_range_errors
 from floorplan.reduction import reduce_axis
 from floorplan.rows import AXES, axis_rows, residual_norm, split, squared_residual
 from floorplan.signs import solve_with_signs
@@ -33,9 +34,16 @@ def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> L
 
     Rows are weighted by `merged.noise`; without it they are unweighted, and their standard deviation comes from the
     residuals of each axis. The weighted form rejects rows of the wrong sign beforehand instead of carrying D.
+    Standard deviations contain the accuracy of the sensor as far as the graph knows it.
     """
     if merged.noise is not None:
-        return weighted_resolve(graph, merged.plane_of_track, merged.noise, config.covariance)
+        solution = weighted_resolve(graph, merged.plane_of_track, merged.noise, config.covariance)
+    else:
+        solution = _unweighted(graph, merged, config)
+    return with_range_errors(solution, graph)
+
+
+def _unweighted(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> LayoutSolution:
     plane_graph = merged_graph(graph, merged.plane_of_track)
     solved = [_solve_axis(plane_graph, axis) for axis in AXES]
     position = np.stack([part.position_m for part in solved], axis=1)

@@ -15,6 +15,7 @@ from floorplan.model.graph import LayoutGraph
 LAGS = (1, 2, 4, 8, 16, 32)  # rows apart, in one track
 CLIP = 3.0  # a difference beyond this many sigma is an outlier and counts as just this many
 ROUNDS = 6  # reweighted fits; the change is below a per cent after four
+GRAM_FLOOR = 1e-12  # of columns of unit length: keeps the factor real where two of them are the same
 MAD_TO_SIGMA = 1.4826
 
 
@@ -48,10 +49,18 @@ def growth(graph: LayoutGraph, usable: Array, axes: tuple[int, ...]) -> Growth |
     fit = np.zeros(4)
     for _ in range(ROUNDS):
         square = np.minimum(found.value_m**2, CLIP**2 * variance)
-        fit = nnls(columns / variance[:, None], square / variance)[0]
+        fit = _non_negative(columns / variance[:, None], square / variance)
         variance = columns @ fit + 1e-10
     root = np.sqrt(fit)
     return Growth(float(root[0]), float(root[1]), float(root[2]), float(root[3]))
+
+
+def _non_negative(columns: Array, values: Array) -> Array:
+    """Non-negative least squares by the normal equations: four unknowns, many rows."""
+    scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    scaled = columns / scale
+    root = np.linalg.cholesky(scaled.T @ scaled + GRAM_FLOOR * np.eye(len(scale)))
+    return np.asarray(nnls(root.T, np.linalg.solve(root, scaled.T @ values))[0] / scale)
 
 
 def _differences(graph: LayoutGraph, usable: Array, axes: tuple[int, ...]) -> _Differences:

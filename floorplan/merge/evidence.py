@@ -6,8 +6,8 @@ import numpy as np
 
 from floorplan.chain import solve_planes
 from floorplan.config import MergeConfig
-from floorplan.merge.evidence_bias import bias_sigma_m
-from floorplan.merge.evidence_greedy import Question, decide
+from floorplan.merge.evidence_bias import bias_sigma_m, merged_bias_sigma_m
+from floorplan.merge.evidence_greedy import Decision, Question, decide
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
 from floorplan.merge.evidence_verdicts import join_hypotheses, system_hypotheses
 from floorplan.merge.hypotheses import Pairs
@@ -27,20 +27,28 @@ class _Solved:
     planes: Planes
 
 
+@dataclass(frozen=True)
+class _Decided:
+    """One round over one system: its pairs, what was asked, what was decided."""
+
+    pairs: Pairs
+    question: Question
+    decision: Decision
+
+
 def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
     """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence"."""
     noise = least_squares.noise or estimate_noise(graph)
-    solved_systems = _solved_systems(graph, noise)
-    noise = replace(noise, bias_sigma_m=max((bias_sigma_m(s.planes) for s in solved_systems), default=0.0))
-    label, parts = np.arange(len(graph.axis)), []
-    for state in solved_systems:
-        planes = _with_bias(state.planes, noise.bias_sigma_m)
-        pairs, question = _question(graph, noise, planes)
-        first_round = decide(question, planes.covariance_m2)
-        question = replace(question, log_prior=log_prior(planes, pairs, question.variance_m2, first_round.plane))
-        decision = decide(question, planes.covariance_m2)
-        label[planes.tracks] = planes.tracks[decision.plane]
-        parts.append(system_hypotheses(planes, pairs, question, decision))
+    systems = [solved.planes for solved in _solved_systems(graph, noise)]
+    noise = replace(noise, bias_sigma_m=bias_sigma_m(systems))
+    first = [_decided(graph, noise, planes, None) for planes in systems]
+    noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in first]))
+    second = [_decided(graph, noise, planes, made.decision.plane) for planes, made in zip(systems, first, strict=True)]
+    noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in second]))
+    label = np.arange(len(graph.axis))
+    for planes, made in zip(systems, second, strict=True):
+        label[planes.tracks] = planes.tracks[made.decision.plane]
+    parts = [system_hypotheses(planes, made.pairs, made.question, made.decision) for planes, made in zip(systems, second, strict=True)]
     plane_of_track = _numbered(label)
     return _result(graph, noise, plane_of_track, join_hypotheses(parts))
 
@@ -75,14 +83,17 @@ def _with_bias(planes: Planes, bias_m: float) -> Planes:
     return replace(planes, covariance_m2=planes.covariance_m2 + bias_m**2 * np.eye(len(planes.tracks)))
 
 
-def _question(graph: LayoutGraph, noise: ScanNoise, planes: Planes) -> tuple[Pairs, Question]:
+def _decided(graph: LayoutGraph, noise: ScanNoise, planes: Planes, known: Array | None) -> _Decided:
+    """One round of merging under `noise`; `known (T,)` is the round before, to count distinct planes by."""
+    planes = _with_bias(planes, noise.bias_sigma_m)
     pairs = gated_pairs(planes)
     variance = pair_variance_m2(planes, pairs)
     apart = seen_apart(graph, noise.sigma_m, noise.bias_sigma_m, planes)
     count = len(planes.tracks)
     barred = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
     delta = planes.offset_m[pairs.first] - planes.offset_m[pairs.second]
-    return pairs, Question(pairs.first, pairs.second, delta, variance, log_prior(planes, pairs, variance, None), barred)
+    question = Question(pairs.first, pairs.second, delta, variance, log_prior(planes, pairs, variance, known), barred)
+    return _Decided(pairs, question, decide(question, planes.covariance_m2))
 
 
 def _numbered(label: Array) -> Array:

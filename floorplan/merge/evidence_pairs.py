@@ -9,7 +9,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 
 GATE_SIGMAS = 6.0  # pairs further apart than this are no question even after drift is corrected
-APART_SIGMAS = 4.0  # of the mean difference of two planes in the frames that saw both
+APART_SIGMAS = 5.0  # of the mean difference of two planes in the frames that saw both: one false bar keeps two whole components apart
 LIKENESS_NEAR, LIKENESS_FAR = 2.0, -1.5  # log odds beyond chance: surfaces that continue each other; at opposite ends of a building
 LIKENESS_OVERLAP = 2.0  # more where one covers the other: a surface hides what is a few centimetres behind it
 GAP_DECAY_M = 3.0  # a doorway or a short unseen stretch leaves a wall likely to go on; a room between does not

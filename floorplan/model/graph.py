@@ -7,6 +7,7 @@ import numpy as np
 
 from floorplan.model.checks import Array, freeze
 from floorplan.model.noise import ScanNoise
+from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration
 
 
@@ -17,8 +18,9 @@ class LayoutGraph:
     `stamp_s (N,)`; `translation_m (N-1, 3)` odometry rows `t_i` in the axis-aligned world; measurement k says
     `m[track] - p[frame] = distance` along that track's axis: `frame (K,)`, `track (K,)`, `distance_m (K,)`;
     `axis (M,)`; `facing (M,)`; `extent_m (M, 3, 2)` box in dead-reckoned coordinates, NaN where unknown;
-    `sigma_m (K,)` or None. `heading_sigma_rad` how well the yaw that turned the odometry rows is known. Stamps are
-    relative to nothing in particular: only their order and differences count.
+    `sigma_m (K,)` or None. `heading_sigma_rad` how well the yaw that turned the odometry rows is known.
+    `range_accuracy` of the sensor, None where nothing is known of it.
+    Stamps are relative to nothing in particular: only their order and differences count.
     """
 
     stamp_s: Array
@@ -31,6 +33,7 @@ class LayoutGraph:
     extent_m: Array
     sigma_m: Array | None = None
     heading_sigma_rad: float = 0.0
+    range_accuracy: RangeAccuracy | None = None
 
     def __post_init__(self) -> None:
         sizes = freeze(

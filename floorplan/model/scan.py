@@ -54,6 +54,14 @@ class NoiseModel:
 
 
 @dataclass(frozen=True)
+class RangeAccuracy:
+    """Standard deviations of errors that last all scan long: `scale_sigma` part of the range, `bias_sigma_m` of one surface."""
+
+    scale_sigma: float
+    bias_sigma_m: float
+
+
+@dataclass(frozen=True)
 class Sensor:
     """The instrument: grid size, noise, the ranges it can be trusted in, the angle between neighbouring rays."""
 
@@ -65,6 +73,7 @@ class Sensor:
     max_range_m: float
     ray_step_rad: float
     intrinsics: Intrinsics | None = None
+    accuracy: RangeAccuracy | None = None  # None: not known, typical of its kind
 
 
 @dataclass(frozen=True)

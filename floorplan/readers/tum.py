@@ -13,7 +13,7 @@ import numpy as np
 from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, Intrinsics, Problem, Recording
+from floorplan.model.scan import GravitySource, Intrinsics, Problem, RangeAccuracy, Recording
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
 from floorplan.readers.depth_unit import depth_unit_problems
@@ -65,6 +65,7 @@ class _Lens:
 
     intrinsics: Intrinsics
     units_per_metre: float
+    accuracy: RangeAccuracy | None = None
 
 
 def _open(path: Path, config: ReadConfig) -> DepthImages:
@@ -81,7 +82,7 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
     unit = depth_unit_problems(paths, 1.0 / lens.units_per_metre)
     problems = listed.problems + files.problems + trajectory_problems + _unposed(listed, poses) + unit
     intrinsics = lens.intrinsics
-    recording = _recording(listed.stamp_ns[rows], poses, rows, intrinsics, problems)
+    recording = _recording(listed.stamp_ns[rows], poses, rows, lens, problems)
     return DepthImages(
         recording=replace(_with_up(recording, config.world_up), returns_to_start=returns_to_start(path)),
         depth_paths=paths,
@@ -125,7 +126,7 @@ def _lens(path: Path, files: DepthFiles, config: ReadConfig) -> _Lens:
     if stored is None:
         advice = "set read.fx, read.fy, read.cx, read.cy, or write intrinsics.json with width, height, fx, fy, cx, cy"
         raise InputError(f"{path}: intrinsics missing: no intrinsics.json; {advice}")
-    return _Lens(scaled_intrinsics(stored.intrinsics, files.width, files.height), units)
+    return _Lens(scaled_intrinsics(stored.intrinsics, files.width, files.height), units, stored.accuracy)
 
 
 def _intrinsics_json(file: Path) -> _Lens:
@@ -134,11 +135,19 @@ def _intrinsics_json(file: Path) -> _Lens:
         fx, fy, cx, cy = (float(data[key]) for key in ("fx", "fy", "cx", "cy"))
         width, height = int(data["width"]), int(data["height"])
         units = float(data.get("depth_scale", UNITS_PER_METRE))
+        accuracy = _accuracy(data)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{file}: intrinsics missing: {error}; it needs width, height, fx, fy, cx, cy and may have depth_scale") from error
     if min(fx, fy, units, width, height) <= 0:
         raise InputError(f"{file}: width, height, fx, fy and depth_scale must be greater than 0")
-    return _Lens(Intrinsics(width, height, fx, fy, cx, cy), units)
+    return _Lens(Intrinsics(width, height, fx, fy, cx, cy), units, accuracy)
+
+
+def _accuracy(data: dict[str, Any]) -> RangeAccuracy | None:
+    """What intrinsics.json may say of errors that last all scan long: `range_scale_sigma` (part), `range_bias_sigma` (m)."""
+    if "range_scale_sigma" not in data:
+        return None
+    return RangeAccuracy(float(data["range_scale_sigma"]), float(data.get("range_bias_sigma", 0.0)))
 
 
 def _unposed(listed: _DepthList, poses: Interpolated) -> tuple[Problem, ...]:
@@ -149,8 +158,8 @@ def _unposed(listed: _DepthList, poses: Interpolated) -> tuple[Problem, ...]:
     return (Problem("pose-gap", message, first, int((~poses.known).sum()), "these frames are left out"),)
 
 
-def _recording(stamp_ns: Array, poses: Interpolated, rows: Array, intrinsics: Intrinsics, problems: tuple[Problem, ...]) -> Recording:
-    sensor = depth_camera(intrinsics)
+def _recording(stamp_ns: Array, poses: Interpolated, rows: Array, lens: _Lens, problems: tuple[Problem, ...]) -> Recording:
+    sensor = replace(depth_camera(lens.intrinsics), accuracy=lens.accuracy)
     unknown = np.full((len(rows), 3), np.nan)
     return Recording(
         "tum", sensor, stamp_ns, poses.position_m[rows], poses.rotation[rows], unknown, GravitySource.UNKNOWN, problems

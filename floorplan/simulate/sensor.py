@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.model.checks import Array
+from floorplan.model.scan import RangeAccuracy
 from floorplan.simulate import hard
 from floorplan.simulate.presets import SensorSpec
 from floorplan.simulate.raycast import NO_SURFACE, Hits, RayCaster
@@ -21,6 +22,8 @@ FLYING_SHARE = 0.5  # of the pixels at such a jump come back from between
 GLASS_ECHO = 0.06  # of the rays come back from a clean pane ...
 GLASS_ECHO_FACING = 0.5  # ... and this share where it is met within GLASS_FACING_COS of head-on
 GLASS_FACING_COS = 0.995
+PATTERN_LEFT = 0.5  # of the fixed pattern, in the mean over a surface's pixels
+BIASED = RangeAccuracy(hard.DEPTH_SCALE_ERROR, float(np.hypot(hard.RIPPLE_M / np.sqrt(2), PATTERN_LEFT * hard.FIXED_PATTERN_M)))
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class DepthCamera:
         self._normals = np.stack([_normal(surface) for surface in caster.surfaces]).astype(np.float32)
         self._dark = np.array([surface.dark for surface in caster.surfaces])
         self._bias = _fixed_bias(pinhole, seed) if biased else None
+        self.accuracy = BIASED if biased else RangeAccuracy(scale_sigma=0.0, bias_sigma_m=0.0)
 
     def shots(self, walk: Walk) -> Iterator[Shot]:
         """One shot per pose of the walk."""

@@ -20,7 +20,7 @@ class TumWriter:
 
     def __init__(self, folder: Path, instrument: DepthCamera, seed: int) -> None:
         del seed  # nothing random in this format
-        self.folder, self.pinhole = folder, instrument.pinhole
+        self.folder, self.pinhole, self.accuracy = folder, instrument.pinhole, instrument.accuracy
         (folder / "depth").mkdir(parents=True, exist_ok=True)
 
     def frame(self, index: int, shot: Shot) -> None:
@@ -37,7 +37,8 @@ class TumWriter:
         _write(self.folder / "odometry.txt", ["# timestamp tx ty tz qx qy qz qw", *rows])
         camera = self.pinhole
         facts = {"width": camera.width, "height": camera.height, "fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
-        (self.folder / "intrinsics.json").write_text(json.dumps({**facts, "depth_scale": DEPTH_SCALE}, indent=1) + "\n")
+        errors = {"range_scale_sigma": self.accuracy.scale_sigma, "range_bias_sigma": self.accuracy.bias_sigma_m}
+        (self.folder / "intrinsics.json").write_text(json.dumps({**facts, "depth_scale": DEPTH_SCALE, **errors}, indent=1) + "\n")
 
 
 def _write(path: Path, lines: list[str]) -> None:
