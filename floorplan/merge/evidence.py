@@ -18,6 +18,8 @@ from floorplan.noise import estimate_noise
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, AxisSystem, build_system, positions
 from floorplan.weighted_resolve import weighted_resolve
 
+SMALLEST_BIAS_M = 0.0015  # for decisions: a millimetre taken for granted makes one false "seen apart" in a thousand pairs
+
 
 @dataclass(frozen=True)
 class _Solved:
@@ -85,6 +87,7 @@ def _with_bias(planes: Planes, bias_m: float) -> Planes:
 
 def _decided(graph: LayoutGraph, noise: ScanNoise, planes: Planes, known: Array | None) -> _Decided:
     """One round of merging under `noise`; `known (T,)` is the round before, to count distinct planes by."""
+    noise = replace(noise, bias_sigma_m=max(noise.bias_sigma_m, SMALLEST_BIAS_M))
     planes = _with_bias(planes, noise.bias_sigma_m)
     pairs = gated_pairs(planes)
     variance = pair_variance_m2(planes, pairs)
