@@ -27,7 +27,8 @@ class ReadConfig:
 class IngestConfig:
     """Stage `1-ingest`."""
 
-    odometry: Literal["auto", "recorded", "refine"] = "auto"  # "refine" matches each sweep with those before; auto: lasers
+    # "refine" matches each sweep with those before, "rgbd" makes poses from depth and colour; auto: lasers, and recordings without poses
+    odometry: Literal["auto", "recorded", "refine", "rgbd"] = "auto"
     keyframe_distance_m: float = 0.10  # a frame that moved less ...
     keyframe_angle_deg: float = 4.0  # ... and turned less than this since the last keyframe shows nothing new
     keyframe_gap_s: float = 1.0  # one keyframe at least this often

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from floorplan.simulate.raycast import load_open3d
+from floorplan.open3d_library import load_open3d
 
 OLDEST_PYTHON = (3, 11)
 LIBRARIES = ("numpy", "scipy", "numba", "cvxpy", "clarabel", "cv2", "shapely", "ezdxf", "matplotlib", "jinja2", "rich", "rosbags")

@@ -1,6 +1,7 @@
 """Stage `1-ingest`: checks the recording, finds the gravity of each frame, chooses the keyframes."""
 
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,10 +10,11 @@ from floorplan.errors import InputError, UsageError
 from floorplan.gravity import estimate_gravity
 from floorplan.keyframes import select_keyframes
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
-from floorplan.readers.base import Source
+from floorplan.model.scan import POSES_MISSING, Frame, GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
+from floorplan.readers.base import BadFrame, Source
 from floorplan.recording_checks import frozen_start, motion_problems
 from floorplan.reporting import Progress, no_progress
+from floorplan.rgbd_odometry import with_rgbd_odometry
 from floorplan.sweep_matching import refine_odometry, with_level_poses
 
 
@@ -38,9 +40,29 @@ def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:
     return level_laser and config.odometry != "recorded"
 
 
+def _stands_still(recording: Recording) -> bool:
+    """Whether the recording has no trajectory, but colour to make one from."""
+    return any(problem.code == POSES_MISSING and not problem.fatal for problem in recording.problems)
+
+
+@dataclass(frozen=True)
+class _Reposed:
+    """A `Source` with another trajectory."""
+
+    source: Source
+    recording: Recording
+
+    def frames(self, indices: Iterable[int], stride: int = 1) -> Iterator[Frame | BadFrame]:
+        """See `Source.frames`."""
+        return self.source.frames(indices, stride)
+
+
 def examine(source: Source, config: IngestConfig, progress: Progress = no_progress) -> Recording:
     """The recording with every problem listed, fatal ones too, and its gravity where it can be had."""
     recording = source.recording
+    if config.odometry == "rgbd" or (config.odometry == "auto" and _stands_still(recording)):
+        recording = with_rgbd_odometry(source, recording, progress)
+        source = _Reposed(source, recording)
     found = motion_problems(recording) + too_many_unreadable(recording, config.max_unreadable_share)
     if recording.gravity_source is GravitySource.UNKNOWN:
         recording = estimate_gravity(source, keyframes_of(recording, config), progress)

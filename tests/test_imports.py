@@ -11,8 +11,8 @@ SOURCES = sorted(PACKAGE.rglob("*.py"))
 HOMES = {  # the one module, or folder, that may import the library
     "cvxpy": ("merge/paper_cvxpy.py",),
     "clarabel": ("merge/",),
-    "open3d": ("simulate/raycast.py", "view.py"),
-    "libusb_package": ("simulate/raycast.py",),
+    "open3d": ("open3d_library.py",),
+    "libusb_package": ("open3d_library.py",),
     "ezdxf": ("writers/",),
     "matplotlib": ("writers/",),
     "rosbags": ("readers/", "simulate/ros_messages.py"),

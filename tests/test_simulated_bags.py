@@ -52,11 +52,14 @@ def test_unknown_sensors_and_formats_they_are_not_written_in_are_refused(tmp_pat
         simulate(tmp_path / "b", "flat", 1, format="stray", sensor="lidar16")
 
 
-def test_a_spinning_lidar_gives_a_plan_with_rooms(tmp_path: Path) -> None:
-    simulate(tmp_path / "lidar", "flat", 1, rate_hz=0.8, image_scale=0.4, format="mcap", sensor="lidar16")
+def test_a_spinning_lidar_gives_a_plan_with_true_distances(tmp_path: Path) -> None:
+    simulate(tmp_path / "lidar", "flat", 1, rate_hz=0.8, image_scale=0.7, format="mcap", sensor="lidar16")
     plan = built(tmp_path / "lidar").plan
     truth = json.loads((tmp_path / "lidar" / "truth.json").read_text())
-    visited = [space["area_m2"] for space in truth["spaces"] if space["visited"] and space["kind"] == "room"]
-    assert len(visited) >= 1
-    for area in visited:
-        assert min(abs(room.area_m2 - area) / area for room in plan.rooms) < 0.05
+    offsets = [np.array([plane["offset"] for plane in truth["planes"] if plane["axis"] == axis]) for axis in (0, 1)]
+    true_m = np.concatenate([np.abs(np.subtract.outer(o, o)).ravel() for o in offsets])
+    assert len(plan.walls) >= 8
+    assert len(plan.rooms) >= 1
+    assert len(plan.dimensions) >= 2
+    for dimension in plan.dimensions:
+        assert np.abs(true_m - dimension.distance_m).min() < 0.02

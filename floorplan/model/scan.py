@@ -8,6 +8,7 @@ import numpy as np
 from floorplan.model.checks import Array, freeze
 
 NANOSECONDS_PER_SECOND = 1_000_000_000
+POSES_MISSING = "poses-missing"  # the problem of a recording without a trajectory: its poses stand still
 
 
 class SensorKind(StrEnum):
@@ -132,16 +133,17 @@ class Frame:
     """One depth image or sweep: `points (H, W, 3) float32` metres in the sensor's own axes, NaN where nothing came back.
 
     `index` is the row of the `Recording`. `confidence (H, W) uint8`, 0 (worst) to 2, or None where the
-    sensor gives none.
+    sensor gives none. `grey (H, W) uint8`, the brightness, only where the recording has no poses of its own.
     """
 
     index: int
     stamp_ns: int
     points: Array
     confidence: Array | None = None
+    grey: Array | None = None
 
     def __post_init__(self) -> None:
-        freeze(self, {"points": (np.float32, ("H", "W", 3)), "confidence": (np.uint8, ("H", "W"))})
+        freeze(self, {"points": (np.float32, ("H", "W", 3)), "confidence": (np.uint8, ("H", "W")), "grey": (np.uint8, ("H", "W"))})
 
 
 @dataclass(frozen=True)

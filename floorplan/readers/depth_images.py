@@ -18,7 +18,8 @@ class DepthImages:
     """A `Source` of pinhole depth images, one file per row of `recording`.
 
     `focal_px (N, 2)`, `centre_px (N, 2)`: fx, fy and cx, cy of each depth image; pixel centres at whole numbers.
-    `confidence_paths` is None where the format has no confidence images.
+    `confidence_paths` is None where the format has no confidence images, `colour_paths` unless brightness is asked for: images of
+    the same view as the depth.
     """
 
     recording: Recording
@@ -27,6 +28,7 @@ class DepthImages:
     focal_px: Array
     centre_px: Array
     confidence_paths: tuple[Path, ...] | None = None
+    colour_paths: tuple[Path, ...] | None = None
 
     def frames(self, indices: Iterable[int], stride: int = 1) -> Iterator[Frame | BadFrame]:
         """See `Source.frames`."""
@@ -41,7 +43,20 @@ class DepthImages:
         confidence = self._confidence(index, stride)
         if isinstance(confidence, Problem):
             return BadFrame(index, confidence)
-        return Frame(index, int(self.recording.stamp_ns[index]), points, confidence)
+        return Frame(index, int(self.recording.stamp_ns[index]), points, confidence, self._grey(index, stride))
+
+    def _grey(self, index: int, stride: int) -> "Array | None":
+        """Brightness (H, W) on the depth's pixels; black where the image cannot be read: the odometry then has depth alone."""
+        import cv2
+
+        if self.colour_paths is None:
+            return None
+        sensor = self.recording.sensor
+        image = cv2.imread(str(self.colour_paths[index]), cv2.IMREAD_GRAYSCALE)
+        if image is None:
+            return np.zeros((sensor.height, sensor.width), dtype=np.uint8)[::stride, ::stride].copy()
+        scaled = cv2.resize(image, (sensor.width, sensor.height), interpolation=cv2.INTER_AREA)
+        return np.ascontiguousarray(scaled[::stride, ::stride])
 
     def _decoded(self, path: Path) -> "Array | Problem":
         """The raw image, or what is wrong with it."""

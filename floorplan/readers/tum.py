@@ -13,7 +13,7 @@ import numpy as np
 from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, Intrinsics, Problem, RangeAccuracy, Recording
+from floorplan.model.scan import POSES_MISSING, GravitySource, Intrinsics, Problem, RangeAccuracy, Recording
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
 from floorplan.readers.depth_unit import depth_unit_problems
@@ -72,7 +72,8 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
     listed = _depth_list(path)
     files = look_at_depth_files(listed.paths, path / "depth")
     lens = _lens(path, files, config)
-    trajectory, trajectory_problems = _trajectory(path)
+    without_poses = not any((path / name).is_file() for name in TRAJECTORY_FILES)
+    trajectory, trajectory_problems = _still(path, listed) if without_poses else _trajectory(path)
     poses = interpolate(trajectory, listed.stamp_ns, MAX_POSE_GAP_S)
     rows = np.flatnonzero(files.whole & poses.known)
     if not len(rows):
@@ -89,6 +90,7 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
         metres_per_unit=1.0 / lens.units_per_metre,
         focal_px=np.tile([intrinsics.fx, intrinsics.fy], (len(rows), 1)),
         centre_px=np.tile([intrinsics.cx, intrinsics.cy], (len(rows), 1)),
+        colour_paths=_colour_paths(path, listed.stamp_ns[rows]) if without_poses else None,
     )
 
 
@@ -114,6 +116,26 @@ def _trajectory(path: Path) -> tuple[PoseTable, tuple[Problem, ...]]:
     if not len(usable.index):
         raise InputError(f"{file}: no pose could be read; lines must be `stamp tx ty tz qx qy qz qw`")
     return table.rows(usable.index), usable.problems
+
+
+def _still(path: Path, listed: _DepthList) -> tuple[PoseTable, tuple[Problem, ...]]:
+    """A camera that does not move, in place of the poses that are missing, with the problem that says so."""
+    count = len(listed.stamp_ns)
+    poses = PoseTable(listed.stamp_ns, np.zeros((count, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
+    message = f"poses missing: no {' and no '.join(TRAJECTORY_FILES)}"
+    advice = 'add a trajectory `stamp tx ty tz qx qy qz qw`, or set ingest.odometry = "rgbd" to have it made from the images'
+    blind = not (path / "rgb.txt").is_file()  # depth alone slides along corridors: only when asked for
+    return poses, (Problem(POSES_MISSING, message, str(path), advice=advice, fatal=blind),)
+
+
+def _colour_paths(path: Path, stamp_ns: Array) -> tuple[Path, ...] | None:
+    """The colour image nearest in time to each depth image (N,); None without rgb.txt."""
+    file = path / "rgb.txt"
+    rows = [row for line in text_lines(file) if len(row := line.split(maxsplit=1)) == 2] if file.is_file() else []
+    if not rows:
+        return None
+    stamps = np.array([stamp_ns_from_text(row[0]) for row in rows], dtype=np.int64)
+    return tuple(path / rows[int(np.argmin(np.abs(stamps - stamp)))][1].strip() for stamp in stamp_ns)
 
 
 def _lens(path: Path, files: DepthFiles, config: ReadConfig) -> _Lens:
@@ -161,11 +183,7 @@ def _unposed(listed: _DepthList, poses: Interpolated) -> tuple[Problem, ...]:
 def _recording(stamp_ns: Array, poses: Interpolated, rows: Array, lens: _Lens, problems: tuple[Problem, ...]) -> Recording:
     sensor = replace(depth_camera(lens.intrinsics), accuracy=lens.accuracy)
     unknown = np.full((len(rows), 3), np.nan)
-    return Recording(
-        "tum", sensor, stamp_ns, poses.position_m[rows], poses.rotation[rows], unknown, GravitySource.UNKNOWN, problems
-    )
-
-
+    return Recording("tum", sensor, stamp_ns, poses.position_m[rows], poses.rotation[rows], unknown, GravitySource.UNKNOWN, problems)
 
 
 def _with_up(recording: Recording, world_up: str) -> Recording:

@@ -1,12 +1,12 @@
-"""Rays against a building's surfaces. The one module of the simulator that imports Open3D."""
+"""Rays against a building's surfaces."""
 
-import ctypes
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from floorplan.model.checks import Array
+from floorplan.open3d_library import load_open3d
 from floorplan.simulate.building import SurfaceKind
 from floorplan.simulate.surfaces import Surface
 
@@ -60,15 +60,3 @@ class RayCaster:
         none = ~np.isfinite(distance)
         surface = rows[np.where(none, 0, triangle // 2)]
         return Hits(distance, np.where(none, NO_SURFACE, surface))
-
-
-def load_open3d() -> Any:
-    """Open3D; its missing libusb comes from the package `libusb-package`, loaded first for all to see."""
-    import libusb_package
-
-    path = libusb_package.get_library_path()
-    if path is not None:
-        ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL)
-    import open3d
-
-    return open3d

@@ -69,8 +69,9 @@ def test_missing_poses_and_other_clocks_are_said_plainly(tmp_path: Path) -> None
     with pytest.raises(InputError, match="same clock"):
         open_scan(folder)
     (folder / "groundtruth.txt").unlink()
-    with pytest.raises(InputError, match="poses missing"):
-        open_scan(folder)
+    (problem,) = open_scan(folder).recording.problems
+    assert (problem.code, problem.fatal) == ("poses-missing", True)
+    assert "odometry.txt" in problem.message
 
 
 def test_unknown_formats_and_places_say_what_was_looked_for(tmp_path: Path) -> None:
