@@ -4,26 +4,34 @@ Peers: Open3D (normals, then planar patches) and a plain NumPy form of our own l
 `python -m tests.bench.front_end SCAN` on any recording; times are CPU time of one thread.
 """
 
+import argparse
+import resource
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from floorplan.chunked_segments import CHUNK_KEYFRAMES
 from floorplan.compass import CompassPrior, survey
-from floorplan.config import CompassConfig, Config, SegmentsConfig
+from floorplan.config import Config, SegmentsConfig
+from floorplan.config_file import load_config
 from floorplan.grid.normals import pixel_weights, surface_normals
 from floorplan.ingest import ingest
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, IngestedScan
+from floorplan.model.segment import SegmentedScan
 from floorplan.readers import open_scan
 from floorplan.readers.base import Source
-from floorplan.segments import grid_stride, segment_frame
+from floorplan.segments import grid_stride, join, segment_chunk, segment_frame
 from floorplan.simulate.raycast import load_open3d
+from tests.bench.front_end_truth import FrontEndTruth, against_truth
 
 _FRAMES = 40
 _MAX_HALF_PX, _GATE_M, _SUPPORT = 7, 0.03, 0.6  # of the NumPy vote
+_CORES = 2  # the bars are for two
 _PATCH_FRAMES = 5  # Open3D's patches take a good part of a second each
 
 
@@ -96,17 +104,77 @@ def measure(scan: IngestedScan, source: Source, prior: CompassPrior, config: Seg
     ]
 
 
-def main() -> None:
-    """Print the table for the scan named on the command line."""
+@dataclass(frozen=True)
+class StageRun:
+    """The frames stage over a whole recording: processor seconds, seconds to the first keyframe, and what came out."""
+
+    segmented: SegmentedScan
+    cpu_s: float
+    first_frame_s: float
+
+
+def run_stage(scan: IngestedScan, source: Source, config: Config) -> StageRun:
+    """Survey, chunks and join on one thread, as `build` runs them."""
+    start, wall = time.process_time(), time.monotonic()
+    prior = survey(scan, source, config.compass)
+    stride = grid_stride(scan.recording.sensor, config.segments)
+    parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))
+    chunks, first = [], 0.0
+    for rows in parts:
+        chunks.append(segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.compass, config.segments))
+        first = first or time.monotonic() - wall
+    return StageRun(join(scan, prior, chunks), time.process_time() - start, first)
+
+
+def stage_lines(folder: Path, variants: Sequence[str], truth: bool) -> list[str]:
+    """One row per variant (settings `section.key=value`, joined by commas): speed of the whole stage and, if asked, its accuracy."""
+    head = "| settings | keyframes of frames | ms CPU per recorded frame | x real time on 2 cores | first chunk s |"
+    accuracy = " yaw deg | roll, pitch deg | wrong quarter turns | offset mm | chi-square | purity | tracks | pixels on planes per keyframe |"
+    lines = [head + (accuracy if truth else ""), "| --- " * (13 if truth else 5) + "|"]
+    for variant in variants:
+        config = load_config(None, [s for s in variant.split(",") if s])
+        source = open_scan(folder)
+        scan = ingest(source, config.ingest)
+        if variant == variants[0]:
+            run_stage(scan, source, config)  # whatever is compiled or loaded on first use
+        run = run_stage(scan, source, config)
+        frames, stamp = len(scan.recording.stamp_ns), scan.recording.stamp_ns
+        speed = _CORES * (stamp[-1] - stamp[0]) * 1e-9 / run.cpu_s
+        row = f"| {variant or 'default'} | {len(scan.keyframe)} of {frames} | {run.cpu_s / frames * 1e3:.2f} | {speed:.1f} | {run.first_frame_s:.2f} |"
+        lines.append(row + (_accuracy(against_truth(folder, scan, run.segmented)) if truth else ""))
+    peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return [*lines, f"peak memory of this process {peak_mb:.0f} MB"]
+
+
+def _accuracy(true: FrontEndTruth) -> str:
+    angles = f" {true.yaw_deg:.3f} | {true.tilt_deg:.3f} | {true.quarter_turns} |"
+    return angles + f" {true.offset_m * 1e3:.1f} | {true.chi_square:.2f} | {true.purity:.4f} | {true.tracks} | {true.coverage_px:.0f} |"
+
+
+def step_lines(folder: Path) -> list[str]:
+    """The table of steps and peers."""
     config = Config()
-    source = open_scan(Path(sys.argv[1]))
+    source = open_scan(folder)
     scan = ingest(source, config.ingest)
+    survey(scan, source, config.compass)
     start = time.thread_time()
-    prior = survey(scan, source, CompassConfig())
+    prior = survey(scan, source, config.compass)
     spent = (time.thread_time() - start) / len(scan.keyframe) * 1e3
     grid = next(iter(source.frames(scan.keyframe[:1], grid_stride(scan.recording.sensor, config.segments))))
     lines = [f"grid {grid.points.shape[1]} x {grid.points.shape[0]}", f"| survey, per keyframe | {spent:.2f} |"]  # type: ignore[union-attr]
-    lines += [f"| {name} | {ms:.2f} |" for name, ms in measure(scan, source, prior, config.segments)]
+    return lines + [f"| {name} | {ms:.2f} |" for name, ms in measure(scan, source, prior, config.segments)]
+
+
+def main() -> None:
+    """Print the tables for the scan named on the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scan", type=Path)
+    parser.add_argument("--truth", action="store_true", help="accuracy against the scan's truth.json")
+    parser.add_argument("--stage-only", action="store_true", help="leave out the steps and the peers")
+    parser.add_argument("--variant", action="append", help="settings section.key=value, joined by commas; again for another row")
+    asked = parser.parse_args()
+    lines = [] if asked.stage_only else step_lines(asked.scan)
+    lines += stage_lines(asked.scan, asked.variant or [""], asked.truth)
     sys.stdout.write("\n".join(lines) + "\n")
 
 
