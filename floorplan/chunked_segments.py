@@ -24,6 +24,8 @@ def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: 
     from floorplan import segments
     from floorplan.compass import CompassPrior, survey
 
+    if not segments.compiled_before():
+        work.reporter.message("first use: compiling the front end for this machine, once; about half a minute")
     store, show = work.chunks(SEGMENTS), work.reporter.progress("segments")
     prior = store.get("prior", CompassPrior, lambda: survey(scan, source, config.compass, work.reporter.progress("compass")))
     parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))

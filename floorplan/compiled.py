@@ -1,7 +1,8 @@
 """The one door to numba: compiled on first call, cached on disk, without the interpreter lock."""
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
 
@@ -10,5 +11,11 @@ T = TypeVar("T")
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
-    """`function` as machine code; nothing is compiled before its first call."""
+    """`function` as machine code; nothing is compiled before its first call. A division by zero gives inf or NaN, as in numpy."""
     return cast(Callable[P, T], numba.njit(nogil=True, cache=True, error_model="numpy")(function))
+
+
+def on_disk(function: Callable[..., Any]) -> bool:
+    """Whether machine code of a `compiled` function was kept by an earlier run."""
+    kernel = cast(Any, function)
+    return any(Path(kernel.stats.cache_path).glob(f"*.{kernel.py_func.__name__}-*.nbi"))

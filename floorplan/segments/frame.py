@@ -7,7 +7,7 @@ import numpy as np
 
 from floorplan.compass.directions import QUARTER_RAD, refine_yaw, upright_directions
 from floorplan.compass.prior import CompassPrior
-from floorplan.compiled import compiled
+from floorplan.compiled import compiled, on_disk
 from floorplan.config import SegmentsConfig
 from floorplan.geometry import rotation_about_z, wrap_to
 from floorplan.grid.components import Components, connected_components
@@ -34,6 +34,11 @@ _TILT_SIGMAS = 2.0
 _LEAST_INLIER_SHARE = 0.5
 _MODEL_BLOCKS = 4.0  # the noise model counts like so many blocks in a segment's variance
 _GROWTH_ROUNDS = 6  # pixels: the half window a normal cannot reach
+
+
+def compiled_before() -> bool:
+    """Whether the machine code of this stage is on disk: without it the first frame waits for the compiler."""
+    return on_disk(grow)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,45 @@
+"""The picture of one frame: its depth beside what each pixel was taken for, for users who ask why a wall is missing."""
+
+from pathlib import Path
+
+import numpy as np
+
+from floorplan.config import Config
+from floorplan.errors import InputError
+from floorplan.export import finished
+from floorplan.model.scan import IngestedScan
+from floorplan.readers import open_scan
+from floorplan.readers.base import BadFrame
+from floorplan.work.disk import clear_disk_errors, new_file
+from floorplan.work.folder import read_owner
+from floorplan.work.stages import INGEST
+
+_ENLARGED = 4  # screen pixels per pixel of the grid: a frame is looked at in half its pixels or fewer
+
+
+def export_frame(work: Path, config: Config, frame: int, path: Path) -> int:
+    """Write the picture of the keyframe nearest to row `frame` of the recording as PNG; gives that keyframe's row.
+
+    The compass surveys the recording again, so that the labels are the very ones of the stage. Raises `InputError` for a laser and
+    for a frame that cannot be read, `WorkFolderError` before the first stage is finished.
+    """
+    owner = read_owner(work)
+    scan = finished(work, INGEST, IngestedScan)
+    if scan.recording.sensor.height == 1:
+        raise InputError(f"{owner.scan}: a laser sweep has no depth image to show; --frame is for cameras")
+    from floorplan.compass import survey
+    from floorplan.segments import frame_picture, grid_stride, segment_frame
+
+    source = open_scan(Path(owner.scan), owner.format, config.read)
+    index = int(np.argmin(np.abs(scan.keyframe - frame)))
+    row, sensor = int(scan.keyframe[index]), scan.recording.sensor
+    read = next(iter(source.frames([row], grid_stride(sensor, config.segments))))
+    if isinstance(read, BadFrame):
+        raise InputError(f"frame {row}: {read.problem.message} ({read.problem.where}); choose another frame")
+    segmented = segment_frame(read, index, survey(scan, source, config.compass), sensor, config.segments)
+    picture = frame_picture(read.points, segmented).repeat(_ENLARGED, axis=0).repeat(_ENLARGED, axis=1)
+    import cv2
+
+    with clear_disk_errors(path), new_file(path) as making:
+        making.write_bytes(cv2.imencode(".png", picture[..., ::-1])[1].tobytes())
+    return row
