@@ -40,23 +40,23 @@ def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: 
 def read_results(work: Path) -> Results:
     """The values of all six stages. Raises `WorkFolderError` naming the first one that is not finished."""
     return Results(
-        scan=_finished(work, INGEST, IngestedScan),
-        segmented=_finished(work, SEGMENTS, SegmentedScan),
-        layout=_finished(work, LEAST_SQUARES, InitialLayout),
-        merged=_finished(work, MERGE, MergeResult),
-        solution=_finished(work, RESOLVE, LayoutSolution),
-        plan=with_known_ids(_finished(work, PLAN, Plan), work),
+        scan=finished(work, INGEST, IngestedScan),
+        segmented=finished(work, SEGMENTS, SegmentedScan),
+        layout=finished(work, LEAST_SQUARES, InitialLayout),
+        merged=finished(work, MERGE, MergeResult),
+        solution=finished(work, RESOLVE, LayoutSolution),
+        plan=with_known_ids(finished(work, PLAN, Plan), work),
     )
 
 
 def export_graph(work: Path, config: Config, path: Path) -> None:
     """Write the layout graph of `work` to `path`: the one that was solved, or, before that stage, the one its segments make."""
-    scan = _finished(work, INGEST, IngestedScan)
+    scan = finished(work, INGEST, IngestedScan)
     states = {state.folder: state.state for state in stages_status(work, config, current_owner(read_owner(work), work))}
     if states[LEAST_SQUARES.folder] is StageState.KEPT:
-        graph = _finished(work, LEAST_SQUARES, InitialLayout).graph
+        graph = finished(work, LEAST_SQUARES, InitialLayout).graph
     else:
-        _, graph = tracked_graph(scan, _finished(work, SEGMENTS, SegmentedScan), config)
+        _, graph = tracked_graph(scan, finished(work, SEGMENTS, SegmentedScan), config)
     with clear_disk_errors(path), new_file(path) as making:
         save_graph(graph, making)
 
@@ -64,11 +64,12 @@ def export_graph(work: Path, config: Config, path: Path) -> None:
 def read_merges(work: Path) -> tuple[MergeRow, ...]:
     """Every hypothesis of the finished merge. Raises `WorkFolderError` where it is not finished."""
     read_owner(work)
-    layout = _finished(work, LEAST_SQUARES, InitialLayout)
-    return merge_rows(_finished(work, INGEST, IngestedScan), layout, _finished(work, MERGE, MergeResult))
+    layout = finished(work, LEAST_SQUARES, InitialLayout)
+    return merge_rows(finished(work, INGEST, IngestedScan), layout, finished(work, MERGE, MergeResult))
 
 
-def _finished(work: Path, stage: Stage, kind: type[T]) -> T:
+def finished(work: Path, stage: Stage, kind: type[T]) -> T:
+    """The value of a finished stage of `work`. Raises `WorkFolderError` where it is not finished."""
     if not (work / stage.folder / "stage.json").exists():
         raise WorkFolderError(f"{work}: stage {stage.folder} is not finished; run 'floorplan build' on the scan first")
     return load_value(work / stage.folder, kind)

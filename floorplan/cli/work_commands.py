@@ -8,6 +8,7 @@ import typer
 
 from floorplan.cli import options as o
 from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.config import Config
 from floorplan.errors import UsageError
 
 
@@ -43,6 +44,9 @@ def export(
     csv: o.Csv = None,
     report: o.Report = None,
     graph: Annotated[Path | None, typer.Option("--graph", metavar="F.npz", help="The layout graph, for 'floorplan solve'.")] = None,
+    frame: Annotated[
+        int | None, typer.Option("--frame", metavar="N", help="With --png: not the plan but what the camera saw in frame N, labelled.")
+    ] = None,
     config: o.ConfigFile = None,
     settings: o.Settings = None,
     units: o.Units = None,
@@ -53,6 +57,11 @@ def export(
     """Write drawings, or the layout graph, again from finished stages."""
     from floorplan.work.folder import read_owner
 
+    if frame is not None:
+        _export_frame(work, frame, png, o.effective_config(config or work / "config.toml", settings))
+        png = None
+        if not any((dxf, svg, pdf, json, geojson, csv, report, graph)):
+            return
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
     if not drawings and graph is None:
         raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json, --geojson, --csv, --report, --graph")
@@ -67,3 +76,13 @@ def export(
         run(work, effective, drawings, ConsoleReporter(quiet))
     for path in (*(drawing.path for drawing in drawings), *([graph] if graph else [])):
         echo(str(path))
+
+
+def _export_frame(work: Path, frame: int, png: Path | None, config: Config) -> None:
+    """Write the labelled picture of one frame to `png`."""
+    if png is None:
+        raise UsageError("--frame needs --png F, the picture to write")
+    from floorplan.frame_export import export_frame
+
+    row = export_frame(work, config, frame, png)
+    echo(f"{png} (frame {row})")

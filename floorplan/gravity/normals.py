@@ -83,5 +83,5 @@ def _box(image: Array) -> Array:
     """Mean over a box of BLUR_CELLS x BLUR_CELLS, zero outside the image."""
     height, width = image.shape
     padded = np.pad(image, BLUR_CELLS // 2)
-    tall = sum(padded[k : k + height] for k in range(BLUR_CELLS))
-    return np.asarray(sum(tall[:, k : k + width] for k in range(BLUR_CELLS)) / BLUR_CELLS**2)
+    tall = np.stack([padded[k : k + height] for k in range(BLUR_CELLS)]).sum(axis=0)
+    return np.asarray(np.stack([tall[:, k : k + width] for k in range(BLUR_CELLS)]).sum(axis=0) / BLUR_CELLS**2)
