@@ -20,6 +20,11 @@ def least_squares(graph: LayoutGraph, config: LeastSquaresConfig) -> LeastSquare
     return weighted_least_squares(graph, None) if config.method == "plain" else robust_least_squares(graph)
 
 
+def published_least_squares(graph: LayoutGraph, least_squares: LeastSquaresSolution) -> LeastSquaresSolution:
+    """The unweighted solution that the published merge starts from: the given one where it has no weights."""
+    return least_squares if least_squares.noise is None else weighted_least_squares(graph, None)
+
+
 def robust_least_squares(graph: LayoutGraph) -> LeastSquaresSolution:
     """Least squares under the noise estimated from the graph itself; the `residual` is unweighted all the same."""
     noise = estimate_noise(graph)

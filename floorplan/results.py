@@ -12,15 +12,15 @@ from floorplan import __version__
 from floorplan.config import Config
 from floorplan.initial_layout import InitialLayout
 from floorplan.model.checks import Array
-from floorplan.model.graph import LayoutSolution, MergeResult
+from floorplan.model.graph import LayoutSolution, LeastSquaresSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan, Problem, Trajectory
 from floorplan.model.segment import SegmentedScan
 from floorplan.plan_names import NAME as BOOK_NAME
+from floorplan.readers.simulated import returns_to_start as truth_returns_to_start
 from floorplan.summary import Summary, Trajectories, summarise
 from floorplan.trajectory import PlanFrame, every_frame, in_plan_frame, keyframe_trajectory, odometry_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
-from floorplan.work.fingerprint import TRUTH_NAME
 from floorplan.work.folder import read_stage_record
 from floorplan.work.stages import STAGES
 from floorplan.work.values import decode, write_json
@@ -61,9 +61,19 @@ def trajectories(results: Results) -> Trajectories:
     return Trajectories(
         odometry=in_plan_frame(odometry_trajectory(results.scan, rotation[0]), frame),
         compass=after(dead_reckoned),
-        least_squares=after(results.layout.least_squares.position_m),
+        least_squares=after(_least_squares(results).position_m),
         final=after(results.solution.position_m),
     )
+
+
+def _least_squares(results: Results) -> LeastSquaresSolution:
+    """The least squares that the merge started from: the published merge's is unweighted, whatever stage 3 was asked for."""
+    layout = results.layout
+    if results.merged.method != "paper":
+        return layout.least_squares
+    from floorplan.least_squares import published_least_squares
+
+    return published_least_squares(layout.graph, layout.least_squares)
 
 
 def summary(results: Results, paths: Trajectories, scan_path: Path, work: Path, config: Config) -> Summary:
@@ -120,19 +130,10 @@ def _records(work: Path) -> dict[str, dict[str, Any]]:
 
 
 def _returns_to_start(results: Results, scan_path: Path, config: Config) -> bool:
-    told = (config.ingest.returns_to_start, _truth_returns_to_start(scan_path), results.scan.recording.returns_to_start)
+    told = (config.ingest.returns_to_start, truth_returns_to_start(scan_path), results.scan.recording.returns_to_start)
     return next((answer for answer in told if answer is not None), False)
 
 
 def _files_of(paths: Trajectories) -> dict[str, Trajectory]:
     """The trajectories by the name of their file."""
     return dict(zip(TRAJECTORY_NAMES, (paths.final, paths.odometry, paths.compass, paths.least_squares), strict=True))
-
-
-def _truth_returns_to_start(scan_path: Path) -> bool | None:
-    """What the truth of a simulated scan says of the walk; nothing else is ever read from it."""
-    path = scan_path / TRUTH_NAME
-    if not path.is_file():
-        return None
-    truth: dict[str, Any] = json.loads(path.read_text("utf-8"))
-    return truth.get("returns_to_start")

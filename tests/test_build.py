@@ -116,6 +116,17 @@ def test_root_files_are_left_alone_while_they_are_right_and_remade_when_one_is_m
     assert json.loads((work / "summary.json").read_text())["drift"] is not None
 
 
+def test_the_published_merge_alone_gives_the_published_least_squares_row(scan: Path, work: Path, tmp_path: Path) -> None:
+    rows = []
+    for settings in (["merge.method=paper"], ["merge.method=paper", "least_squares.method=plain"]):
+        folder = tmp_path / str(len(settings))
+        shutil.copytree(work, folder)
+        assert build(Job(scan, folder, load_config(None, settings))) is not None
+        rows.append((folder / "trajectory-least-squares.tum").read_bytes())
+    assert rows[0] == rows[1]
+    assert rows[0] != (work / "trajectory-least-squares.tum").read_bytes()
+
+
 def test_more_jobs_and_stops_on_the_way_give_the_same_bytes(scan: Path, work: Path, tmp_path: Path) -> None:
     job = Job(scan, tmp_path / "work", jobs=2)
     assert build(replace(job, until=SEGMENTS)) is None

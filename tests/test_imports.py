@@ -77,6 +77,28 @@ def test_the_work_folder_knows_no_stage_by_what_it_does(path: Path) -> None:
     assert parts_imported(path) <= GROUND | {"work", "reporting"}
 
 
+def module_of(path: Path) -> str:
+    return ".".join(("floorplan", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+
+
+def modules_imported(path: Path, known: set[str]) -> set[str]:
+    """Modules of the package that a file imports, at its top or inside a function."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= (names & known) or ({node.module} & known)
+    return found - {module_of(path)}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    known = {module_of(path) for path in SOURCES}
+    left = {module_of(path): modules_imported(path, known) for path in SOURCES}
+    while leaves := {module for module, needed in left.items() if not needed & left.keys()}:
+        left = {module: needed for module, needed in left.items() if module not in leaves}
+    assert not left
+
+
 @pytest.mark.parametrize("path", [p for p in SOURCES if part_of(p) != "cli"], ids=name_of)
 def test_only_the_command_line_prints_exits_and_reads_the_environment(path: Path) -> None:
     text = path.read_text("utf-8")

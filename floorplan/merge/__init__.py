@@ -2,7 +2,7 @@
 
 from floorplan.config import MergeConfig
 from floorplan.errors import ConfigError
-from floorplan.least_squares import weighted_least_squares
+from floorplan.least_squares import published_least_squares
 from floorplan.merge.evidence import merge_evidence
 from floorplan.merge.paper import merge_paper
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution, MergeResult
@@ -16,6 +16,5 @@ def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: Merge
     if config.method == "evidence":
         return merge_evidence(graph, least_squares, config)
     if config.method == "paper":
-        plain = least_squares if least_squares.noise is None else weighted_least_squares(graph, None)
-        return merge_paper(graph, plain, config)
+        return merge_paper(graph, published_least_squares(graph, least_squares), config)
     raise ConfigError(f"merge.method = '{config.method}' is unknown; it is 'paper' or 'evidence'")

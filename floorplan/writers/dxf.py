@@ -1,11 +1,14 @@
-"""The DXF drawing: the plan in model space, the sheet in paper space."""
+"""The DXF drawing: the plan in model space, the sheet in paper space; and an empty sheet to make a template from."""
 
 from floorplan.config import ProjectConfig
 from floorplan.writers.composition import Composition
 from floorplan.writers.dxf_document import document_bytes, fixed_metadata, new_document
 from floorplan.writers.dxf_plan import draw_plan
-from floorplan.writers.dxf_sheet import draw_sheet
+from floorplan.writers.dxf_sheet import add_title_block, draw_sheet
 from floorplan.writers.facts import SheetFacts
+from floorplan.writers.title_block import TAGS
+
+TEMPLATE_DXF_VERSION = "R2010"
 
 
 def dxf_bytes(composition: Composition, version: str, project: ProjectConfig, facts: SheetFacts, template: str = "") -> bytes:
@@ -18,3 +21,11 @@ def dxf_bytes(composition: Composition, version: str, project: ProjectConfig, fa
         draw_plan(document, composition)
         draw_sheet(document, composition, project, facts)
         return document_bytes(document, facts.date)
+
+
+def template_bytes(composition: Composition) -> bytes:
+    """A template with our title block for the composition's sheet: what `templates/sheet-A3.dxf` was made with."""
+    with fixed_metadata():
+        document = new_document(composition, TEMPLATE_DXF_VERSION)
+        add_title_block(document, composition, dict.fromkeys(TAGS, ""))
+        return document_bytes(document, "")

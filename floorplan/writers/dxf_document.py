@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from floorplan.errors import ConfigError
 from floorplan.writers.composition import CAFM_DXF_VERSION, DXF_VERSIONS, Composition
+from floorplan.writers.dxf_template import open_template
 from floorplan.writers.layers import CONTINUOUS, DASHED, PATH_DASH_MM
 
 if TYPE_CHECKING:
@@ -38,8 +39,6 @@ def fixed_metadata() -> Iterator[None]:
 def new_document(composition: Composition, version: str, template: str = "") -> "Drawing":
     """A document of that DXF version, begun from a template if there is one; raises ConfigError for a version we do not write."""
     from ezdxf.filemanagement import new
-
-    from floorplan.writers.dxf_template import open_template
 
     if composition.strict:
         version = CAFM_DXF_VERSION

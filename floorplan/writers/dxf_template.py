@@ -1,4 +1,4 @@
-"""Title blocks as DXF templates: opening and checking an office's own, and making ours to start from."""
+"""Title blocks as DXF templates: opening and checking an office's own."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from floorplan.errors import ConfigError
 from floorplan.writers.composition import Composition
 from floorplan.writers.layers import Layer
-from floorplan.writers.title_block import TAGS, TITLE_BLOCK
+from floorplan.writers.title_block import TITLE_BLOCK
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -44,14 +44,3 @@ def template_faults(document: "Drawing", composition: Composition) -> tuple[str,
     if missing:
         faults.append(f"the attributes {', '.join(missing)} in the block {TITLE_BLOCK}")
     return tuple(faults)
-
-
-def template_bytes(composition: Composition) -> bytes:
-    """A template with our title block for the composition's sheet: what `templates/sheet-A3.dxf` was made with."""
-    from floorplan.writers.dxf_document import document_bytes, fixed_metadata, new_document
-    from floorplan.writers.dxf_sheet import add_title_block
-
-    with fixed_metadata():
-        document = new_document(composition, "R2010")
-        add_title_block(document, composition, dict.fromkeys(TAGS, ""))
-        return document_bytes(document, "")
