@@ -6,7 +6,7 @@ import numpy as np
 
 from floorplan.chain import solve_planes
 from floorplan.config import MergeConfig
-from floorplan.merge.evidence_bias import bias_sigma_m, merged_bias_sigma_m
+from floorplan.merge.evidence_bias import PRIOR_BIAS_M, bias_sigma_m, merged_bias_sigma_m
 from floorplan.merge.evidence_greedy import Decision, Question, decide
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
 from floorplan.merge.evidence_verdicts import join_hypotheses, system_hypotheses
@@ -42,7 +42,8 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, conf
     """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence"."""
     noise = least_squares.noise or estimate_noise(graph)
     systems = [solved.planes for solved in _solved_systems(graph, noise)]
-    noise = replace(noise, bias_sigma_m=bias_sigma_m(systems))
+    apart = [seen_apart(graph, noise.sigma_m, PRIOR_BIAS_M, planes) for planes in systems]
+    noise = replace(noise, bias_sigma_m=bias_sigma_m(systems, apart))
     first = [_decided(graph, noise, planes, None) for planes in systems]
     noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in first]))
     second = [_decided(graph, noise, planes, made.decision.plane) for planes, made in zip(systems, first, strict=True)]

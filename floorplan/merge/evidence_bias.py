@@ -6,6 +6,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from floorplan.merge.evidence_pairs import Planes, gaps_m, pair_variance_m2, pairs_within
+from floorplan.merge.hypotheses import Pairs
 from floorplan.model.checks import Array
 
 WELL_KNOWN_M = 0.02  # pairs whose distance odometry knows better than this speak about bias and not about drift
@@ -17,9 +18,13 @@ PRIOR_SPREAD = 1.0  # of its logarithm
 MOST_TRACKS = 160  # of one system asked once they are merged: a hundred of them give the bias to 7 %
 
 
-def bias_sigma_m(systems: Sequence[Planes]) -> float:
-    """Standard deviation of the per-track bias: a mixture of "one surface" and "any distance" over near, overlapping pairs (E7)."""
-    return _likeliest(sum((_before_merging(planes) for planes in systems), np.zeros(len(BIAS_GRID_M))))
+def bias_sigma_m(systems: Sequence[Planes], apart: Sequence[Pairs]) -> float:
+    """Standard deviation of the per-track bias: a mixture of "one surface" and "any distance" over near, overlapping pairs (E7).
+
+    `apart`, per system: pairs that single frames show at different offsets; a wall and the door set back in it say nothing about bias.
+    """
+    parts = (_before_merging(planes, pairs) for planes, pairs in zip(systems, apart, strict=True))
+    return _likeliest(sum(parts, np.zeros(len(BIAS_GRID_M))))
 
 
 def merged_bias_sigma_m(systems: Sequence[Planes], partitions: Sequence[Array]) -> float:
@@ -36,11 +41,13 @@ def _likeliest(log_likelihood: Array) -> float:
     return float(BIAS_GRID_M[np.argmax(log_likelihood + prior)])
 
 
-def _before_merging(planes: Planes) -> Array:
+def _before_merging(planes: Planes, apart: Pairs) -> Array:
     pairs = pairs_within(planes, WINDOW_M)
+    count = len(planes.tracks)
+    together = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
     variance = pair_variance_m2(planes, pairs)
     delta = planes.offset_m[pairs.first] - planes.offset_m[pairs.second]
-    telling = (variance < WELL_KNOWN_M**2) & (gaps_m(planes, pairs) == 0.0)
+    telling = (variance < WELL_KNOWN_M**2) & (gaps_m(planes, pairs) == 0.0) & ~together
     return np.asarray(_mixture(delta[telling], variance[telling]).max(axis=1))
 
 

@@ -14,7 +14,7 @@ from floorplan.plan.faces import spans
 from floorplan.plan.walls import distance_sigma_m, point_on
 
 MIN_ROOM_SPAN_M = 0.8  # nearer faces make no room: a wall, a shaft, a cupboard
-MIN_SHARED_M = 0.5  # faces that look at each other over less than this are not measured against each other
+MIN_SHARED_M = 0.3  # faces that look at each other over less than this, a pillar's width, are not measured against each other
 TEXT_WIDTH_M, TEXT_HEIGHT_M = 1.2, 0.3  # what a dimension's text covers at 1:50 to 1:100
 SAME_LINE_M = 0.02  # faces nearer than this are one line in a drawing
 STEP_M = 0.05  # grain at which the place for a dimension line is looked for

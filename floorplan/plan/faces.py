@@ -97,7 +97,23 @@ def judge_columns(evidence: PlaneEvidence, config: PlanConfig, heights: bool) ->
     hidden = (blocked > 0) & (hits + passes == 0) & (top_hits > top_passes)
     wall = ((hits > passes) | hidden) & ~over_top
     any_low = evidence.hits[:, :low].sum(axis=1) > 0
+    wall = _continued(wall, any_low & (_rays_above(evidence, low) == 0))
     return ColumnVerdict(wall, passes > hits, any_low & ~wall & ~(hits > 0), over_top & (hits > passes))
+
+
+def _rays_above(evidence: PlaneEvidence, row: int) -> Array:
+    """Rays of any kind (U,) that crossed or ended before the columns from `row` up."""
+    return np.asarray((evidence.hits + evidence.passes + evidence.blocked)[:, row:].sum(axis=1))
+
+
+def _continued(wall: Array, unseen_above: Array) -> Array:
+    """`wall (U,)` carried on along columns that were hit lower down and not looked at higher up: the view ends, not the wall."""
+    reach = wall | unseen_above
+    grown = wall.copy()
+    for first, last in spans(reach):
+        if wall[first:last].any():
+            grown[first:last] = True
+    return grown
 
 
 def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> tuple[Array, Array]:

@@ -53,7 +53,7 @@ def glazed_lines(world: PlanWorld, faces: tuple[FaceRun, ...], config: PlanConfi
     found: list[GlazedLine] = []
     for axis in (0, 1):
         for offset in _peaks(world.point_m[rows, axis]):
-            line = _glazed_line(world, rows, axis, offset, faces)
+            line = _glazed_line(world, rows, axis, offset, faces, config)
             if line is not None:
                 found.append(line)
     return tuple(found)
@@ -90,7 +90,9 @@ def _peaks(coordinate: Array) -> list[float]:
     return peaks
 
 
-def _glazed_line(world: PlanWorld, rows: Array, axis: int, offset: float, faces: tuple[FaceRun, ...]) -> GlazedLine | None:
+def _glazed_line(
+    world: PlanWorld, rows: Array, axis: int, offset: float, faces: tuple[FaceRun, ...], config: PlanConfig
+) -> GlazedLine | None:
     mine = rows[np.abs(world.point_m[rows, axis] - offset) < LINE_HALF_WIDTH_M]
     along, z = world.point_m[mine, 1 - axis], world.point_m[mine, 2]
     low = float(along.min()) - BIN_M
@@ -104,7 +106,7 @@ def _glazed_line(world: PlanWorld, rows: Array, axis: int, offset: float, faces:
         if inside.sum() >= MIN_POINTS_PER_MULLION and (b - a) * BIN_M <= MAX_MULLION_M and high_enough:
             posts.append(float(np.median(along[inside])))
     regular = _regular(np.array(posts))
-    if regular is None or not _seen_through(world, axis, offset, regular):
+    if regular is None or not _seen_through(world, axis, offset, regular) or _before_a_wall(faces, axis, offset, regular, config):
         return None
     spacing = float(np.diff(regular).mean())
     ends = [_end_at_wall(faces, axis, offset, at, sign, spacing) for at, sign in ((regular[0], -1), (regular[-1], 1))]
@@ -132,6 +134,15 @@ def _seen_through(world: PlanWorld, axis: int, offset: float, posts: Array) -> b
     along = sensor[through, 1 - axis] + t * (world.point_m[through, 1 - axis] - sensor[through, 1 - axis])
     counts = np.histogram(along, bins=posts)[0]
     return bool((counts >= MIN_RAYS_BETWEEN).all())
+
+
+def _before_a_wall(faces: tuple[FaceRun, ...], axis: int, offset: float, posts: Array, config: PlanConfig) -> bool:
+    """Whether a wall stands so near behind or before most of the posts that nothing could be seen through them but itself."""
+    beside = np.zeros(len(posts), dtype=bool)
+    for face in faces:
+        if face.axis == axis and abs(face.offset_m - offset) <= config.max_thickness_m:
+            beside |= (posts > face.start_m) & (posts < face.end_m)
+    return bool(beside.mean() > 0.5)
 
 
 def _end_at_wall(faces: tuple[FaceRun, ...], axis: int, offset: float, at: float, sign: int, spacing: float) -> float:

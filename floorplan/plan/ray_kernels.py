@@ -6,7 +6,7 @@ from numba import njit
 from floorplan.model.checks import Array
 
 MIN_INCIDENCE = 0.15  # sine of 9 degrees: below it a ray's crossing point slides by more than a cell for 1 cm of noise
-
+CLEARLY_BEYOND = 2.0  # tolerances: a reading hardly behind a surface may be of it, seen at a grazing angle or from a frame a little off
 
 BLOCKER_DEPTH_M = 0.8  # what stands this near before a surface hides it: the depth of a cabinet and the slit behind it
 HIT, PASSED, BLOCKED, NOTHING = 1, 2, 3, 0
@@ -17,7 +17,8 @@ def _kind(before: float, beyond: float, mine: bool, loose: bool, tolerance: floa
     """What a ray did to a plane: `before`, `beyond` are the distances of its start and end from it, positive on the room side."""
     if mine or (loose and before > 0 and abs(beyond) <= tolerance):
         return HIT
-    if (beyond < -tolerance and before > 0) or (beyond > tolerance and before < -tolerance):
+    clear = CLEARLY_BEYOND * tolerance
+    if (beyond < -clear and before > 0) or (beyond > clear and before < -tolerance):
         return PASSED
     return BLOCKED if tolerance < beyond <= BLOCKER_DEPTH_M and before > beyond else NOTHING
 

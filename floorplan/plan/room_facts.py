@@ -11,11 +11,11 @@ from floorplan.model.plan import Dimension, DimensionRole, PlanPlane, Room
 from floorplan.model.segment import AXIS_Z
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M
-from floorplan.plan.plan_frame import NO_PLANE, PlanWorld
+from floorplan.plan.plan_frame import FLOOR_SUPPORT_RATIO, NO_PLANE, PlanWorld
 
 ON_FACE_M = 1e-4  # an outline lies on a face when it is this near
 UNSEEN_EDGE_SIGMA_M = CELL_M  # where an outline lies on no face it is only as good as the grid of free space
-MIN_CEILING_SHARE = 0.5  # one level surface must hold this share of the points above or below a room
+MIN_CEILING_SHARE = 0.5  # one level surface must hold this share of the points above a room
 
 
 @dataclass(frozen=True)
@@ -57,18 +57,24 @@ def _face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces
 
 
 def room_height(room: Room, world: PlanWorld) -> RoomHeight | None:
-    """Floor and ceiling of a room: the level planes that hold most of the points inside its outline."""
+    """Floor and ceiling of a room: the lowest well seen level plane inside its outline, and the one that holds most points above."""
     level = np.flatnonzero(world.plane_axis == AXIS_Z)
     on_level = np.isin(world.point_plane, level) & (world.point_plane != NO_PLANE)
     x, y = world.point_m[on_level, 0], world.point_m[on_level, 1]
     inside = shapely.contains_xy(Polygon(room.outline, room.holes), x, y)
     plane = world.point_plane[on_level][inside]
     weight = np.bincount(plane, weights=world.point_weight[on_level][inside], minlength=len(world.plane_axis))
-    floor = _main_plane(weight * (world.plane_facing > 0))
+    floor = _lowest_plane(weight * (world.plane_facing > 0), world.plane_offset_m)
     ceiling = _main_plane(weight * (world.plane_facing < 0))
     if floor is None or ceiling is None or world.plane_offset_m[ceiling] <= world.plane_offset_m[floor]:
         return None
     return RoomHeight(floor, ceiling)
+
+
+def _lowest_plane(weight: Array, offset_m: Array) -> int | None:
+    """The floor: tables show more of themselves to a camera held above them, but nothing well seen lies below a floor."""
+    enough = weight >= FLOOR_SUPPORT_RATIO * max(float(weight.max(initial=0.0)), 1e-9)
+    return int(np.argmin(np.where(enough, offset_m, np.inf))) if enough.any() else None
 
 
 def _main_plane(weight: Array) -> int | None:
