@@ -16,6 +16,11 @@ _DEFAULT_WALK_RAD = math.radians(0.1)
 _READING_SCALE_RANGE = (0.2, 5.0)
 SHARED_ERRORS = 1.0  # least factor on the readings' sigma where neighbouring ones err alike: their differences hide it
 _MEAN_OF_MEDIAN_SQUARE = 2.198  # mean over median of a squared normal variable
+_READING_SCALES = np.geomspace(0.25, 5.0, 10)  # steps of 1.4: finer ones change nothing
+_WALK_SIZES_RAD = np.radians(np.geomspace(0.005, 5.0, 19))  # per unit of `step_scale`: the best odometry and the worst
+_FIRST_READINGS = 7
+_STRAY_SHARE = 0.05  # of the readings, of furniture or another building wing ...
+_STRAY_RANGE_RAD = math.pi / 2  # ... anywhere in a quarter turn
 _MIN_STEP_SIGMA_RAD = math.radians(0.002)  # odometry is never perfect
 
 
@@ -32,13 +37,14 @@ class SmoothedAngle:
     shared: float = 0.0
 
 
-def smooth_angle(angle_rad: Array, sigma_rad: Array, step_scale: Array, least_scale: float = 0.0) -> SmoothedAngle:
+def smooth_angle(angle_rad: Array, sigma_rad: Array, step_scale: Array, least_scale: float = 0.0, slips: bool = False) -> SmoothedAngle:
     """Random-walk smoothing of `angle_rad (K,)` with `sigma_rad (K,)` (infinite where nothing was read).
 
     `step_scale (K - 1,)` is how the walk's standard deviation varies from step to step. The size of the walk and of
     the readings' own noise (at least `least_scale` of their sigma) are learnt from the readings; readings far off are down-weighted.
+    `slips`: the walk may rest for long and then move by much within a few steps, as phones' headings do.
     """
-    reading_scale, walk_size = _noise_sizes(angle_rad, sigma_rad, step_scale)
+    reading_scale, walk_size = (_likely_sizes if slips else _noise_sizes)(angle_rad, sigma_rad, step_scale)
     step = np.maximum(walk_size * step_scale, _MIN_STEP_SIGMA_RAD)
     sigma = sigma_rad * max(reading_scale, least_scale)  # averaging cannot remove what neighbours share
     weight = np.ones(len(angle_rad))
@@ -70,6 +76,49 @@ def _noise_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple
     relative = np.array(rows) / np.maximum(np.array(squares), 1e-14)[:, None]
     factor, size = np.sqrt(_two_non_negative(relative))
     return float(np.clip(factor, *_READING_SCALE_RANGE)), float(size)
+
+
+def _likely_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple[float, float]:
+    """Factor on the readings' sigma, and size of the walk, that make the readings most likely, each predicted from those before.
+
+    Most odometry holds its heading for long and then slips by degrees within a few steps: typical differences say
+    that it never drifts. The likelihood, with a share of stray readings, hears the few steps that move and the many that do not.
+    """
+    if np.isfinite(sigma_rad).sum() < _FEWEST_READINGS:
+        return 1.0, _DEFAULT_WALK_RAD
+    variance, walk = sigma_rad**2, step_scale**2
+    best, most = (1.0, _DEFAULT_WALK_RAD), -np.inf
+    for factor in _READING_SCALES:
+        for size in _WALK_SIZES_RAD:
+            likelihood = _log_likelihood(angle_rad, factor**2 * variance, np.maximum(size**2 * walk, _MIN_STEP_SIGMA_RAD**2))
+            if likelihood > most:
+                best, most = (float(factor), float(size)), likelihood
+    return best
+
+
+@compiled
+def _beginning(reading: Array, variance: Array) -> tuple[float, float]:
+    """Where the walk begins: the middle of the first readings, lest one of them be astray, as sure as one reading."""
+    first = np.flatnonzero(np.isfinite(variance))[:_FIRST_READINGS]
+    return float(np.median(reading[first])), float(np.median(variance[first]))
+
+
+@compiled
+def _log_likelihood(reading: Array, variance: Array, step_variance: Array) -> float:
+    """Of a scalar random walk's readings: Kalman filter whose readings may be astray."""
+    total, (m, v) = 0.0, _beginning(reading, variance)
+    for k in range(len(reading)):
+        if k > 0:
+            v += step_variance[k - 1]
+        if not np.isfinite(variance[k]):
+            continue
+        spread, off = v + variance[k], reading[k] - m
+        near = (1 - _STRAY_SHARE) * math.exp(-0.5 * off * off / spread) / math.sqrt(2 * math.pi * spread)
+        stray = _STRAY_SHARE / _STRAY_RANGE_RAD
+        total += math.log(near + stray)
+        gain = near / (near + stray) * v / spread  # what may be astray moves the angle that much less
+        m, v = m + gain * off, (1 - gain) * v
+    return total
 
 
 def _two_non_negative(columns: Array) -> Array:

@@ -125,7 +125,7 @@ def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array,
             sigma[k] = estimate.sigma_rad / max(estimate.share, 0.1)
             spreads.append(_spread(found, estimate.yaw_rad))
     normal_scale = float(np.clip(np.median(spreads), *_NORMAL_SCALE_RANGE)) if spreads else 1.0
-    smooth = smooth_angle(reading, sigma, heading_walk(odometry.turn_rad, odometry.step_m))
+    smooth = smooth_angle(reading, sigma, heading_walk(odometry.turn_rad, odometry.step_m), slips=len(sample) < count)
     return CompassPrior(
         odometry.level_from_sensor,
         -smooth.angle_rad,

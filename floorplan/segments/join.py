@@ -81,8 +81,8 @@ def _smoothed(segments: Segments, rough: Array, prior: CompassPrior, ripple_m: f
     yaw = prior.yaw_rad + wrap_to(yaw - prior.yaw_rad, 2 * np.pi)
     walk = heading_walk(prior.turn_rad, prior.step_m)
     reading_sigma = found.sigma_rad[:, 2]
-    heading = smooth_angle(yaw + found.delta_rad[:, 2], reading_sigma, walk, SHARED_ERRORS if sweeps else 0.0)
-    tilt = [smooth_angle(found.delta_rad[:, a], found.sigma_rad[:, a], walk) for a in (0, 1)]
+    heading = smooth_angle(yaw + found.delta_rad[:, 2], reading_sigma, walk, SHARED_ERRORS if sweeps else 0.0, slips=not sweeps)
+    tilt = [smooth_angle(found.delta_rad[:, a], found.sigma_rad[:, a], walk, slips=not sweeps) for a in (0, 1)]
     delta = np.stack((tilt[0].angle_rad, tilt[1].angle_rad, np.zeros(len(rough))), axis=1)
     rotation = small_rotation(delta) @ rotation_about_z(heading.angle_rad) @ prior.level_from_sensor
     tilt_sigma = [np.minimum(t.sigma_rad, _TILT_SIGMA_RAD) for t in tilt]
