@@ -43,7 +43,7 @@ def count_rays(
     seen: Array,
 ) -> None:
     """Fill `counts (3, U, Z)`, `fine (3, U * K)` (hits, passed, blocked; fine: heights in `band` alone) and
-    `seen (U, F)`, whether a frame hit a column. `grid` is (along, up, step along, step up).
+    `seen (U, F)`, whether a segment of a frame on this plane covers a column. `grid` is (along, up, step along, step up).
 
     Passes count where the ray crossed the plane, blockers where they stand before it.
     A point of no plane counts as a hit when it lies on this one within the box `reach` (along low, high, up low, high).
@@ -70,7 +70,7 @@ def count_rays(
         counts[kind - 1, a, b] += weight[i]
         if band[0] <= z <= band[1]:
             fine[kind - 1, min(int((u - grid[0]) / grid[2] * finer), fine.shape[1] - 1)] += weight[i]
-        if kind == HIT:
+        if mine:  # a stray reading is no witness: a skewed wall crosses many planes
             seen[a, f] = True
 
 

@@ -14,7 +14,7 @@ MARGIN_ALONG_M = 1.8  # beyond a plane's extent: wide enough for a door beside i
 LOWEST_M, HIGHEST_M = -0.3, 6.0  # heights above the floor that are looked at
 NOISE_SIGMAS = 2.5  # readings farther off a surface than this are not on it
 UNBOUNDED_M = 1e6  # higher than anything
-LOOSE_MARGIN_M = 0.15  # a surface goes on this far above and below its segments, whose ends are trimmed
+LOOSE_MARGIN_M = 0.15  # a surface goes on this far beyond its segments, whose ends are trimmed; a skewed wall soon leaves it
 MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
 
 
@@ -103,5 +103,5 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
 def _reach(world: PlanWorld, plane: int) -> Array:
     """Where points of no plane may belong to this one: its extent and a margin (along low, high, up low, high)."""
     along, up = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])], world.plane_extent_m[plane, 2]
-    box = np.array([along[0] - MARGIN_ALONG_M, along[1] + MARGIN_ALONG_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
+    box = np.array([along[0] - LOOSE_MARGIN_M, along[1] + LOOSE_MARGIN_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
     return np.where(np.isnan(box), [-np.inf, np.inf, -np.inf, np.inf], box)
