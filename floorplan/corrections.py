@@ -1,6 +1,7 @@
 """What a person adds to a scan: distances measured by hand. The two last stages with them."""
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -130,19 +131,20 @@ def scaled_segments(segmented: SegmentedScan, scale: float) -> SegmentedScan:
 
 def with_laser(config: Config, laser: Path | None) -> Config:
     """The configuration that uses the measured distances of a file. Raises InputError when it cannot be read."""
-    path = str(laser.resolve()) if laser is not None else config.corrections.laser_file
-    digest = ""
-    if path:
-        read_laser(Path(path))
-        digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    path, digest = _checked_file(laser, config.corrections.laser_file, read_laser)
     return replace(config, corrections=replace(config.corrections, laser_file=path, laser_sha256=digest))
 
 
 def with_edits(config: Config, edits: Path | None) -> Config:
     """The configuration that uses the edits of a file. Raises ConfigError when they cannot be read."""
-    path = str(edits.resolve()) if edits is not None else config.edits.edits_file
-    digest = ""
-    if path:
-        read_edits(Path(path))
-        digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    path, digest = _checked_file(edits, config.edits.edits_file, read_edits)
     return replace(config, edits=replace(config.edits, edits_file=path, edits_sha256=digest))
+
+
+def _checked_file(given: Path | None, configured: str, read: Callable[[Path], object]) -> tuple[str, str]:
+    """Path and SHA-256 of the file given, else of the one configured; both empty without one. Whatever `read` raises is passed on."""
+    path = str(given.resolve()) if given is not None else configured
+    if not path:
+        return "", ""
+    read(Path(path))
+    return path, hashlib.sha256(Path(path).read_bytes()).hexdigest()
