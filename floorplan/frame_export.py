@@ -10,9 +10,9 @@ from floorplan.export import finished
 from floorplan.model.scan import IngestedScan
 from floorplan.readers import open_scan
 from floorplan.readers.base import BadFrame
-from floorplan.work.disk import clear_disk_errors, new_file
 from floorplan.work.folder import read_owner
 from floorplan.work.stages import INGEST
+from floorplan.write_view import write_png
 
 _ENLARGED = 4  # screen pixels per pixel of the grid: a frame is looked at in half its pixels or fewer
 
@@ -38,8 +38,5 @@ def export_frame(work: Path, config: Config, frame: int, path: Path) -> int:
         raise InputError(f"frame {row}: {read.problem.message} ({read.problem.where}); choose another frame")
     segmented = segment_frame(read, index, survey(scan, source, config.compass), sensor, config.segments)
     picture = frame_picture(read.points, segmented).repeat(_ENLARGED, axis=0).repeat(_ENLARGED, axis=1)
-    import cv2
-
-    with clear_disk_errors(path), new_file(path) as making:
-        making.write_bytes(cv2.imencode(".png", picture[..., ::-1])[1].tobytes())
+    write_png(picture, path)
     return row

@@ -14,6 +14,7 @@ from floorplan.cli import (
     report_command,
     simulate_command,
     solve_command,
+    view_command,
     work_commands,
 )
 
@@ -47,6 +48,7 @@ app.command("check")(check_command.check)
 app.command("merges")(merges_command.merges)
 app.command("export")(work_commands.export)
 app.command("report")(report_command.report)
+app.command("view")(view_command.view)
 app.command("formats")(look_commands.formats)
 app.command("config")(look_commands.config)
 app.command("doctor")(look_commands.doctor)
