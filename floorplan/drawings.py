@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from floorplan import __version__
 from floorplan.config import Config
 from floorplan.errors import UsageError
+from floorplan.model.plan import Plan
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
 from floorplan.reporting import Reporter
 from floorplan.results import Results
@@ -48,17 +49,27 @@ def check_drawings(drawings: tuple[Drawing, ...]) -> None:
             raise UsageError(f"{drawing.path} is a folder; give the name of a file")
 
 
-def write_drawings(results: Results, table: Summary, scan: Path, drawings: tuple[Drawing, ...], config: Config, reporter: Reporter) -> None:
-    """Write every drawing; each file is whole or not there."""
+def write_drawings(
+    results: Results, table: Summary, scan: Path, drawings: tuple[Drawing, ...], config: Config, reporter: Reporter
+) -> tuple[Path, ...]:
+    """Write every drawing; each file is whole or not there. Gives the files."""
     if not drawings:
-        return
+        return ()
     from floorplan import writers  # ezdxf and matplotlib come with it
 
-    facts = sheet_facts(results, table, scan)
+    job = writers.Job(results.plan, config.drawing, config.project, sheet_facts(results, table, scan))
     for drawing in drawings:
         with clear_disk_errors(drawing.path):
-            writers.write(drawing.format, results.plan, drawing.path, config.drawing, config.project, facts)
-        reporter.message(f"wrote {drawing.path}")
+            for path in writers.write_job(drawing.format, job, drawing.path):
+                reporter.message(f"wrote {path}")
+    return files_of(drawings, results.plan)
+
+
+def files_of(drawings: tuple[Drawing, ...], plan: Plan) -> tuple[Path, ...]:
+    """The files that drawings of a plan become: some formats make one per storey."""
+    from floorplan import writers
+
+    return tuple(path for drawing in drawings for path in writers.files_of(drawing.format, plan, drawing.path))
 
 
 def sheet_facts(results: Results, table: Summary, scan: Path) -> "SheetFacts":
@@ -82,7 +93,7 @@ def sheet_facts(results: Results, table: Summary, scan: Path) -> "SheetFacts":
         drift_m=table.drift.final_m if table.drift else None,
         rows=rows,
         problems=tuple(f"{p.code}: {p.message} ({p.count})" for p in results.problems),
-        unseen=results.plan.notes,
+        unseen=() if results.plan.upper_storeys else results.plan.notes,
     )
 
 

@@ -25,8 +25,8 @@ from floorplan.work.values import load_value
 T = TypeVar("T")
 
 
-def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter) -> None:
-    """Write `drawings` from the stages of `work` as they are. Raises `WorkFolderError` when one is missing."""
+def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter) -> tuple[Path, ...]:
+    """Write `drawings` from the stages of `work` as they are; gives the files. Raises `WorkFolderError` when one is missing."""
     owner = read_owner(work)
     results = read_results(work)
     for state in stages_status(work, config, current_owner(owner, work)):
@@ -34,7 +34,7 @@ def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: 
             reporter.message(f"note: {state.folder} is stale ({'; '.join(state.reasons)}); 'floorplan build' would make it again")
     scan = Path(owner.scan)
     table = summary(results, trajectories(results), scan, work, config)
-    write_drawings(results, table, scan, drawings, config, reporter)
+    return write_drawings(results, table, scan, drawings, config, reporter)
 
 
 def read_results(work: Path) -> Results:

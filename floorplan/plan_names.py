@@ -15,7 +15,7 @@ import numpy as np
 
 from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
-from floorplan.model.plan import Dimension, Plan, PlanPlane, Point
+from floorplan.model.plan import Dimension, Plan, PlanPlane, Point, Room
 
 ROOM_TO_MOVE_M = 0.25  # boxes are widened by this: a face that another setting moves by less is the same one
 SAME_SHARE = 0.3  # of two boxes' union that their intersection covers
@@ -59,7 +59,18 @@ class Named:
 
 
 def named(plan: Plan, book: Book) -> Named:
-    """The plan with the ids that its things had before; unchanged when the book is empty."""
+    """The plan with the ids that its things had before; unchanged when the book is empty. Ids are unique over all storeys."""
+    done: list[Plan] = []
+    for storey in plan.storeys:
+        shared = {p.id: named.id for p, named in zip(storey.planes, done[0].planes, strict=True)} if done else None
+        one = _named_storey(storey, book, shared)
+        book = one.book
+        done.append(one.plan)
+    return Named(replace(done[0], upper_storeys=tuple(done[1:])), book)
+
+
+def _named_storey(plan: Plan, book: Book, plane_ids: dict[str, str] | None) -> Named:
+    """One storey; `plane_ids` are those that the planes, which all storeys share, have already."""
     frame = _Frame.of(plan)
     planes = [frame.thing(p.id, f"plane {_turned_axis(plan, p)}", *zip(*p.extent_m, strict=True)) for p in plan.planes]
     rooms = [frame.thing(r.id, "room", *_box(r.outline)) for r in plan.rooms]
@@ -67,11 +78,11 @@ def named(plan: Plan, book: Book) -> Named:
     faces = [frame.thing(f.id, "face", *_box((f.start, f.end))) for f in plan.faces]
     walls = [frame.thing(w.id, "wall", *_box([p for line in (*w.seen, *w.inferred) for p in line])) for w in plan.walls]
     lines = [frame.thing(f.id, "free line", *_box((f.start, f.end))) for f in plan.free_lines]
-    things = [*planes, *rooms, *openings, *faces, *walls, *lines]
-    ids = _matched(things, book)
+    things = [*([] if plane_ids else planes), *(_on_storey(one, plan) for one in (*rooms, *openings, *faces, *walls, *lines))]
+    ids = _matched(things, book) | (plane_ids or {})
     book = _extended(book, [replace(one, id=ids[one.id]) for one in things])
     plan = _renamed(plan, ids)
-    dimensions = [_dimension(d) for d in plan.dimensions]
+    dimensions = [_on_storey(_dimension(d), plan) for d in plan.dimensions]
     ids = _matched(dimensions, book)
     book = _extended(book, [replace(one, id=ids[one.id]) for one in dimensions])
     ordered = sorted((replace(d, id=ids[d.id]) for d in plan.dimensions), key=lambda d: _number(d.id))
@@ -93,6 +104,11 @@ class _Frame:
         ends = [self.turn @ (np.array([*end, 0.0][:3]) - self.shift_m) for end in (low, high)]
         ends = [np.where(np.arange(3) < len(low), end, 0.0) for end in ends]
         return Known(id, group, _rounded(np.minimum(*ends)), _rounded(np.maximum(*ends)))
+
+
+def _on_storey(thing: Known, plan: Plan) -> Known:
+    """Things above each other are not the same one: those of upper storeys are known by the storey too."""
+    return thing if plan.elevation_m == 0 else replace(thing, group=f"{thing.group}, {plan.level}")
 
 
 def _rounded(values: Array) -> tuple[float, ...]:
@@ -164,6 +180,12 @@ def _extended(book: Book, things: Iterable[Known]) -> Book:
     return (*book, *(one for one in things if one.id not in known))
 
 
+def _renamed_room(room: Room, id: str) -> Room:
+    """A room that is called by its number changes its name too."""
+    numbered = room.name.endswith(f" {_number(room.id)}")
+    return replace(room, id=id, name=f"{room.name.rsplit(' ', 1)[0]} {_number(id)}" if numbered else room.name)
+
+
 def _renamed(plan: Plan, ids: dict[str, str]) -> Plan:
     """Every id and every reference replaced, but for those of dimensions."""
     return replace(
@@ -172,7 +194,7 @@ def _renamed(plan: Plan, ids: dict[str, str]) -> Plan:
         faces=tuple(replace(f, id=ids[f.id], plane=ids[f.plane]) for f in plan.faces),
         walls=tuple(replace(w, id=ids[w.id], faces=tuple(ids.get(f, f) for f in w.faces)) for w in plan.walls),
         openings=tuple(replace(o, id=ids[o.id], walls=tuple(ids.get(w, w) for w in o.walls)) for o in plan.openings),
-        rooms=tuple(replace(r, id=ids[r.id]) for r in plan.rooms),
+        rooms=tuple(_renamed_room(r, ids[r.id]) for r in plan.rooms),
         free_lines=tuple(replace(f, id=ids[f.id]) for f in plan.free_lines),
         dimensions=tuple(
             replace(d, from_plane=ids[d.from_plane], to_plane=ids[d.to_plane], room=ids.get(d.room, d.room)) for d in plan.dimensions

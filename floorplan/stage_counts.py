@@ -38,4 +38,11 @@ def count_solution(solution: LayoutSolution) -> Counts:
 
 def count_plan(plan: Plan) -> Counts:
     """Of `6-plan`."""
-    return {"walls": len(plan.walls), "openings": len(plan.openings), "rooms": len(plan.rooms), "dimensions": len(plan.dimensions)}
+    levels = plan.storeys
+    counts = {"storeys": len(levels)} if len(levels) > 1 else {}
+    return counts | {
+        "walls": sum(len(level.walls) for level in levels),
+        "openings": sum(len(level.openings) for level in levels),
+        "rooms": sum(len(level.rooms) for level in levels),
+        "dimensions": sum(len(level.dimensions) for level in levels),
+    }

@@ -64,20 +64,33 @@ def build(
 
 
 def _print_numbers(job: "Job", results: "Results") -> None:
-    plan = results.plan
+    from floorplan.drawings import files_of
+
+    levels = results.plan.storeys
+    rooms = [room for level in levels for room in level.rooms]
+    dimensions = [dimension for level in levels for dimension in level.dimensions]
+    storeys = [("storeys", str(len(levels)), ", ".join(f"{level.level} at {level.elevation_m:+.3f} m" for level in levels))]
     echo_table(
         [
-            ("rooms", str(len(plan.rooms)), f"{sum(room.area_m2 for room in plan.rooms):.1f} m2 in all"),
-            ("walls", str(len(plan.walls)), f"{len(plan.free_lines)} more off the axes"),
-            ("openings", str(len(plan.openings)), ""),
-            ("planes", str(len(plan.planes)), f"from {len(results.layout.tracks.axis)} initial ones ({results.merged.method})"),
-            ("dimensions", str(len(plan.dimensions)), ""),
+            *(storeys if len(levels) > 1 else []),
+            ("rooms", str(len(rooms)), f"{sum(room.area_m2 for room in rooms):.1f} m2 in all"),
+            (
+                "walls",
+                str(sum(len(level.walls) for level in levels)),
+                f"{sum(len(level.free_lines) for level in levels)} more off the axes",
+            ),
+            ("openings", str(sum(len(level.openings) for level in levels)), ""),
+            ("planes", str(len(levels[0].planes)), f"from {len(results.layout.tracks.axis)} initial ones ({results.merged.method})"),
+            ("dimensions", str(len(dimensions)), ""),
         ]
     )
-    echo_table((d.id, f"{d.distance_m:.3f} m", f"+-{1.96 * d.sigma_m:.3f}", d.room) for d in plan.dimensions[:NAMED_DIMENSIONS])
+    echo_table((d.id, f"{d.distance_m:.3f} m", f"+-{1.96 * d.sigma_m:.3f}", d.room) for d in dimensions[:NAMED_DIMENSIONS])
+    if len(dimensions) > NAMED_DIMENSIONS:
+        echo(f"and {len(dimensions) - NAMED_DIMENSIONS} more dimensions: in {job.work / 'plan.json'}, and in dimensions.csv with --csv DIR")
     if results.solution.calibration is not None:
         print_calibration(results.solution.calibration)
-    for note in plan.notes:
-        echo(f"note: {note}")
-    for file in (*(drawing.path for drawing in job.drawings), job.work):
+    for level in levels:
+        for note in level.notes:
+            echo(f"note: {f'{level.level}: ' if len(levels) > 1 else ''}{note}")
+    for file in (*files_of(job.drawings, results.plan), job.work):
         echo(str(file))

@@ -20,6 +20,7 @@ def simulate(
     odometry_error: Annotated[float | None, typer.Option("--odometry-error", min=0.0, metavar="X", help="0.02 is 2 %.")] = None,
     rate_hz: Annotated[float | None, typer.Option("--rate", min=0.1, metavar="HZ", help="Frames per second.")] = None,
     image_scale: Annotated[float, typer.Option("--image-scale", min=0.05, metavar="X", help="Smaller or larger images.")] = 1.0,
+    storeys: Annotated[int, typer.Option("--storeys", min=1, max=9, metavar="N", help="Floors above each other, joined by a stair.")] = 1,
     quiet: o.Quiet = False,
 ) -> None:
     """An exact building, a walked scan of it, and its truth."""
@@ -36,6 +37,7 @@ def simulate(
         odometry_error=odometry_error,
         rate_hz=rate_hz,
         image_scale=image_scale,
+        storeys=storeys,
         progress=ConsoleReporter(quiet).progress("simulate"),
     )
     echo(str(out))

@@ -72,9 +72,8 @@ def export(
     effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet)
     if graph is not None:
         export_graph(work, effective, graph)
-    if drawings:
-        run(work, effective, drawings, ConsoleReporter(quiet))
-    for path in (*(drawing.path for drawing in drawings), *([graph] if graph else [])):
+    written = run(work, effective, drawings, ConsoleReporter(quiet)) if drawings else ()
+    for path in (*written, *([graph] if graph else [])):
         echo(str(path))
 
 

@@ -19,8 +19,8 @@ class Edited:
 
 def furniture_tracks(plan: Plan, edits: Edits) -> tuple[int, ...]:
     """The tracks of all planes that are called furniture, themselves or by a wall that lies on them."""
-    planes = {face.id: face.plane for face in plan.faces}
-    walls = {wall.id: {planes[face] for face in wall.faces if face in planes} for wall in plan.walls}
+    planes = {face.id: face.plane for storey in plan.storeys for face in storey.faces}
+    walls = {wall.id: {planes[face] for face in wall.faces if face in planes} for storey in plan.storeys for wall in storey.walls}
     meant = {plane for name in edits.furniture for plane in walls.get(name, {name})}
     return tuple(sorted(track for plane in plan.planes if plane.id in meant for track in plane.tracks))
 
@@ -31,27 +31,33 @@ def without_tracks(tracks: Tracks, gone: tuple[int, ...]) -> Tracks:
 
 
 def edit_plan(plan: Plan, edits: Edits) -> Edited:
-    """Names, kinds and deletions."""
-    names, kinds = {e.id: e.name for e in edits.room}, {e.id: e.kind for e in edits.opening}
+    """Names, kinds and deletions, on whichever storey the thing is."""
     known = {
-        "room": {room.id for room in plan.rooms},
-        "opening": {opening.id for opening in plan.openings},
-        "delete": {wall.id for wall in plan.walls} | {line.id for line in plan.free_lines},
+        "room": {room.id for storey in plan.storeys for room in storey.rooms},
+        "opening": {opening.id for storey in plan.storeys for opening in storey.openings},
+        "delete": {wall.id for storey in plan.storeys for wall in storey.walls}
+        | {line.id for storey in plan.storeys for line in storey.free_lines},
     }
-    asked = [("room", id) for id in names] + [("opening", id) for id in kinds] + [("delete", id) for id in edits.delete]
-    edited = replace(
+    asked = [("room", edit.id) for edit in edits.room] + [("opening", edit.id) for edit in edits.opening]
+    asked += [("delete", id) for id in edits.delete]
+    edited = replace(_edited_storey(plan, edits), upper_storeys=tuple(_edited_storey(storey, edits) for storey in plan.upper_storeys))
+    return Edited(edited, tuple(_note(what, id, id in known[what]) for what, id in asked))
+
+
+def _edited_storey(plan: Plan, edits: Edits) -> Plan:
+    names, kinds = {e.id: e.name for e in edits.room}, {e.id: e.kind for e in edits.opening}
+    return replace(
         plan,
         rooms=tuple(replace(room, name=names.get(room.id, room.name)) for room in plan.rooms),
         openings=tuple(replace(opening, kind=kinds.get(opening.id, opening.kind)) for opening in plan.openings),
         walls=tuple(wall for wall in plan.walls if wall.id not in edits.delete),
         free_lines=tuple(line for line in plan.free_lines if line.id not in edits.delete),
     )
-    return Edited(edited, tuple(_note(what, id, id in known[what]) for what, id in asked))
 
 
 def furniture_notes(plan: Plan, edits: Edits) -> tuple[str, ...]:
     """A sentence for every piece of furniture; `plan` is the one without the edits."""
-    known = {plane.id for plane in plan.planes} | {wall.id for wall in plan.walls}
+    known = {plane.id for plane in plan.planes} | {wall.id for storey in plan.storeys for wall in storey.walls}
     return tuple(_note("furniture", id, id in known) for id in edits.furniture)
 
 

@@ -39,6 +39,7 @@ class Span:
 
 def find_span(plan: Plan, row: LaserRow) -> Span | str:
     """The row in the plan, or the sentence that says why it is not there or cannot be meant."""
+    plan = next((storey for storey in plan.storeys if any(row.id == d.id.upper() for d in storey.dimensions)), plan)
     found = _by_id(plan, row) if row.start is None or row.end is None else _by_points(plan, row, row.start, row.end)
     if isinstance(found, str):
         return f"line {row.line}: {found}"

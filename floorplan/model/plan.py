@@ -5,7 +5,7 @@ the longest wall along x. Ids are short words: planes P1.., walls W1.., free lin
 openings O1.., rooms R1.., columns C1.., dimensions D1...
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
@@ -184,8 +184,12 @@ class Rejection:
 
 @dataclass(frozen=True)
 class Plan:
-    """One floor. `plane_covariance_m2` follows the order of `planes`; `rotation_quarters` and `shift_m` take the axis-aligned
-    world of the solution to the plan frame: quarter turns counter-clockwise, then the shift (3,)."""
+    """One storey, and those above it where there are any.
+
+    `elevation_m`: its floor above that of the lowest storey; heights are from its own floor. Storeys share x and y and the planes'
+    ids. `plane_covariance_m2` follows the order of `planes`; `rotation_quarters` and `shift_m` take the axis-aligned world of the
+    solution to the plan frame: quarter turns counter-clockwise, then the shift (3,).
+    """
 
     planes: tuple[PlanPlane, ...]
     faces: tuple[Face, ...]
@@ -206,6 +210,13 @@ class Plan:
     notes: tuple[str, ...] = ()
     floor_seen: bool = False
     level: str = ""
+    elevation_m: float = 0.0
+    upper_storeys: tuple["Plan", ...] = ()
+
+    @property
+    def storeys(self) -> tuple["Plan", ...]:
+        """Every storey by itself, from below upwards."""
+        return (replace(self, upper_storeys=()), *self.upper_storeys) if self.upper_storeys else (self,)
 
     def __post_init__(self) -> None:
         freeze(

@@ -9,7 +9,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution
 from floorplan.model.plan import FreeLine, Plan, PlanPlane, Rejection, Room
 from floorplan.model.scan import IngestedScan, Trajectory
-from floorplan.model.segment import SegmentedScan, Tracks
+from floorplan.model.segment import FreePatches, SegmentedScan, Tracks
 from floorplan.plan.bodies import Body, bodies_of, junction_blocks, paired_faces, solid
 from floorplan.plan.columns import as_columns, column_bodies, column_faces
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
@@ -25,6 +25,7 @@ from floorplan.plan.outline import gross_outline
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
 from floorplan.plan.room_facts import described, height_dimensions, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
+from floorplan.plan.storeys import patches_of, stacked, storeys
 from floorplan.plan.surface_evidence import surface_evidence
 from floorplan.plan.walls import draw_walls, without_columns
 
@@ -36,6 +37,14 @@ def make_plan(
 ) -> Plan:
     """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
     world = _framed(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)), solution)
+    levels = storeys(world)
+    if len(levels) == 1:
+        return storey_plan(world, segmented.free_patches, solution, config)
+    return stacked(tuple(storey_plan(level, patches_of(segmented.free_patches, world, level), solution, config) for level in levels))
+
+
+def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig) -> Plan:
+    """The plan of one storey; `patches` of its frames."""
     planes, covariance = plan_planes(world, solution), joint_covariance(solution)
     ids = tuple(plane.id for plane in planes)
     surfaces = wall_surfaces(world, config)
@@ -50,7 +59,7 @@ def make_plan(
     bare_rooms = find_rooms(RoomScene(faces, gaps, bodies, glazed, free_space(world), path), config)
     levels = tuple(room_height(room, world) for room in bare_rooms)
     rooms = described(bare_rooms, levels, faces, planes, covariance)
-    lines = free_lines(segmented.free_patches, world, faces, config)
+    lines = free_lines(patches, world, faces, config)
     return Plan(
         planes=planes,
         faces=drawing.faces,

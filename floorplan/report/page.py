@@ -2,7 +2,7 @@
 
 import json
 import platform
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from floorplan.laser.compare import Check
 from floorplan.report.birds_eye import four_views
 from floorplan.report.details import details
 from floorplan.report.drawing import plan_drawing
+from floorplan.report.side_by_side import side_by_side
 from floorplan.report.tables import Count, accuracy_rows, coverage, plane_rows, told_merges, verdict_counts
 from floorplan.results import Results
 from floorplan.summary import Summary
@@ -28,6 +29,7 @@ def report_html(results: Results, table: Summary, owner: Owner, config: Config, 
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
+    results = replace(results, plan=side_by_side(results.plan))
     environment = Environment(loader=FileSystemLoader(templates_dir()), autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     told = json.dumps(details(results), ensure_ascii=False).replace("</", "<\\/")
     return environment.get_template(TEMPLATE).render(

@@ -13,7 +13,7 @@ from floorplan.simulate.formats import format_named
 from floorplan.simulate.odometry import TILT_WANDER_RAD, Odometry, drifting_odometry
 from floorplan.simulate.raycast import RayCaster
 from floorplan.simulate.scene import Scene, draw_scene
-from floorplan.simulate.surfaces import surfaces_of
+from floorplan.simulate.storeys import storey_surfaces
 from floorplan.simulate.truth import truth_of
 
 Progress = Callable[[int, int], None]
@@ -35,21 +35,26 @@ def simulate(
     odometry_error: float | None = None,
     rate_hz: float | None = None,
     image_scale: float = 1.0,
+    storeys: int = 1,
     progress: Progress = _silent,
 ) -> None:
     """Write a scan of a simulated building to the folder `out`, with its `truth.json`.
 
     `odometry_error` (0.02 is 2 %) overrides the drift of the preset; `path_scale` makes building and path larger;
-    `rate_hz` and `image_scale` override the camera's; `sensor` "lidar16" a spinning LiDAR instead of it.
+    `rate_hz` and `image_scale` override the camera's; `sensor` "lidar16" a spinning LiDAR instead of it;
+    `storeys` as many floors of one shell, walked one after the other.
     Raises `UsageError` for an unknown preset or format, or an
     `out` that is not empty.
     """
     if out.exists() and any(out.iterdir()):
         raise UsageError(f"{out} is not empty; choose a new folder")
     chosen = format_named(format, sensor)
-    scene = chosen.scene(draw_scene(preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz))
+    if storeys > 1 and format == "carmen":
+        raise UsageError("a robot on wheels climbs no stairs: --storeys needs another --format than carmen")
+    scene = chosen.scene(draw_scene(preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz, storeys=storeys))
     odometry = _odometry(scene, seed, hard, odometry_error)
-    surfaces = surfaces_of(scene.building)
+    parts = storey_surfaces(scene.storeys)
+    surfaces = tuple(surface for part in parts for surface in part)
     instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
     coverage = Coverage(surfaces, instrument.rays, chosen.coverage_stride)
     writer = chosen.writer(out, instrument, seed)
@@ -58,7 +63,7 @@ def simulate(
         writer.frame(index, shot)
         progress(index + 1, len(scene.walk))
     writer.finish(scene.walk, odometry)
-    (out / "truth.json").write_text(json.dumps(truth_of(scene, coverage), separators=(",", ":")) + "\n")
+    (out / "truth.json").write_text(json.dumps(truth_of(scene, parts, coverage), separators=(",", ":")) + "\n")
 
 
 def _odometry(scene: Scene, seed: int, hard: bool, error: float | None) -> Odometry:

@@ -9,6 +9,7 @@ from floorplan.geometry import quat_xyzw_from_rotation
 from floorplan.simulate.building import Opening, OpeningKind, Space, SurfaceKind
 from floorplan.simulate.coverage import Coverage
 from floorplan.simulate.scene import Scene
+from floorplan.simulate.storeys import Storey
 from floorplan.simulate.surfaces import Surface
 
 SCHEMA = 1
@@ -17,12 +18,16 @@ VISITED_M = 0.5  # length of path inside a space that counts as a visit
 WALL_KINDS = (SurfaceKind.WALL, SurfaceKind.COLUMN, SurfaceKind.JAMB, SurfaceKind.LINTEL, SurfaceKind.SILL)
 
 
-def truth_of(scene: Scene, coverage: Coverage) -> dict[str, Any]:
-    """The truth as plain JSON values; metres, building frame (z up, floor at 0, walls along x and y)."""
+def truth_of(scene: Scene, parts: tuple[tuple[Surface, ...], ...], coverage: Coverage) -> dict[str, Any]:
+    """The truth as plain JSON values; metres, building frame (z up, floor at 0, walls along x and y).
+
+    `parts` are the surfaces of each storey, in the coverage's order. The lowest storey is at the top level; `storeys` lists all
+    of them where there are several, each with its `floor_m` and with z from its own floor.
+    """
     walk = scene.walk
-    path = LineString(walk.position_m[:, :2])
-    surfaces = list(enumerate(coverage.surfaces))
-    return {
+    first = np.concatenate(([0], np.cumsum([len(part) for part in parts])))
+    levels = [_storey(scene, storey, range(first[k], first[k + 1]), coverage) for k, storey in enumerate(scene.storeys)]
+    truth = {
         "schema": SCHEMA,
         "units": "m",
         "preset": scene.preset.name,
@@ -30,12 +35,24 @@ def truth_of(scene: Scene, coverage: Coverage) -> dict[str, Any]:
         "returns_to_start": bool(np.linalg.norm(walk.position_m[-1] - walk.position_m[0]) < RETURN_M),
         "path_length_m": _mm(walk.path_m[-1]),
         "trajectory": _trajectory(scene),
-        "faces": [_face(s, coverage, i) for i, s in surfaces if s.axis in (0, 1) and s.kind in WALL_KINDS],
+        "faces": levels[0]["faces"],
         "planes": _planes(coverage),
-        "spaces": [_space(space, path) for space in scene.building.spaces],
-        "openings": [_opening(opening, path) for opening in scene.building.openings],
-        "boxes": [_box(box.kind.value, box.outline, (box.z0_m, box.z1_m)) for box in scene.building.boxes],
-        "gross_outline": _ring(scene.building.outline),
+        **{name: levels[0][name] for name in ("spaces", "openings", "boxes", "gross_outline")},
+    }
+    return truth | ({"storeys": levels} if len(levels) > 1 else {})
+
+
+def _storey(scene: Scene, storey: Storey, rows: range, coverage: Coverage) -> dict[str, Any]:
+    path = LineString(scene.walk.position_m[storey.rows, :2])
+    surfaces = [(i, coverage.surfaces[i]) for i in rows]
+    building = storey.building
+    return {
+        "floor_m": _mm(storey.floor_m),
+        "faces": [_face(s, coverage, i, storey.floor_m) for i, s in surfaces if s.axis in (0, 1) and s.kind in WALL_KINDS],
+        "spaces": [_space(space, path) for space in building.spaces],
+        "openings": [_opening(opening, path) for opening in building.openings],
+        "boxes": [_box(box.kind.value, box.outline, (box.z0_m, box.z1_m)) for box in building.boxes],
+        "gross_outline": _ring(building.outline),
     }
 
 
@@ -56,7 +73,7 @@ def _trajectory(scene: Scene) -> dict[str, Any]:
     return {"columns": "stamp_ns tx ty tz qx qy qz qw", "stamp_ns": walk.stamp_ns.tolist(), "pose": poses.tolist()}
 
 
-def _face(surface: Surface, coverage: Coverage, index: int) -> dict[str, Any]:
+def _face(surface: Surface, coverage: Coverage, index: int, floor_m: float) -> dict[str, Any]:
     """A piece of wall surface; `seen` are the ranges along it that rays hit."""
     return {
         "kind": surface.kind.value,
@@ -66,7 +83,7 @@ def _face(surface: Surface, coverage: Coverage, index: int) -> dict[str, Any]:
         "offset": _mm(surface.offset),
         "start": _mm(surface.along[0]),
         "end": _mm(surface.along[1]),
-        "z": [_mm(z) for z in surface.heights],
+        "z": [_mm(z - floor_m) for z in surface.heights],
         "seen": [[_mm(a), _mm(b)] for a, b in coverage.seen(index)],
     }
 

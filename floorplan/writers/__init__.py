@@ -3,7 +3,7 @@
 import os
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -12,13 +12,15 @@ from floorplan.errors import UsageError
 from floorplan.model.plan import Plan
 from floorplan.writers.composition import Composition, compose
 from floorplan.writers.facts import FactRow, SheetFacts
+from floorplan.writers.plan_scene import sheet_scene
+from floorplan.writers.scene import Scene
 
-__all__ = ["WRITERS", "FactRow", "SheetFacts", "Writer", "write"]
+__all__ = ["WRITERS", "FactRow", "Job", "SheetFacts", "Writer", "files_of", "write", "write_job"]
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a format's writer is given."""
+    """What a format's writer is given. What several formats share is made once."""
 
     plan: Plan
     drawing: DrawingConfig
@@ -29,9 +31,19 @@ class Job:
     def composition(self) -> Composition:
         return compose(self.plan, self.drawing)
 
+    @cached_property
+    def scene(self) -> Scene:
+        """The sheet as the picture formats draw it."""
+        return sheet_scene(self.composition, self.project, self.facts)
+
     @property
     def title(self) -> str:
         return self.project.name or self.facts.scan or "Floor plan"
+
+    @cached_property
+    def storeys(self) -> tuple["Job", ...]:
+        """One job per storey of the plan, from below upwards."""
+        return tuple(replace(self, plan=storey) for storey in self.plan.storeys) if self.plan.upper_storeys else (self,)
 
 
 def _dxf(job: Job) -> bytes:
@@ -41,33 +53,31 @@ def _dxf(job: Job) -> bytes:
 
 
 def _svg(job: Job) -> bytes:
-    from floorplan.writers.plan_scene import sheet_scene
     from floorplan.writers.svg import write_svg
 
-    return write_svg(sheet_scene(job.composition, job.project, job.facts), job.composition.layers, job.title)
+    return write_svg(job.scene, job.composition.layers, job.title)
 
 
 def _pdf(job: Job) -> bytes:
     from floorplan.writers.figure import pdf_bytes
-    from floorplan.writers.plan_scene import sheet_scene
 
-    return pdf_bytes(sheet_scene(job.composition, job.project, job.facts), job.composition.layers, job.title)
+    return pdf_bytes(job.scene, job.composition.layers, job.title)
 
 
 def _png(job: Job) -> bytes:
     from floorplan.writers.figure import png_bytes
-    from floorplan.writers.plan_scene import sheet_scene
 
-    return png_bytes(sheet_scene(job.composition, job.project, job.facts), job.composition.layers)
+    return png_bytes(job.scene, job.composition.layers)
 
 
 @dataclass(frozen=True)
 class Writer:
-    """One row of the table: `make` gives the bytes of the file."""
+    """One row of the table: `make` gives the bytes of the file; `per_storey` formats get a file for each storey."""
 
     name: str
     description: str
     make: Callable[[Job], bytes]
+    per_storey: bool = False
 
 
 def _json(job: Job) -> bytes:
@@ -97,14 +107,14 @@ def _rooms(job: Job) -> bytes:
 def _report(job: Job) -> bytes:
     from floorplan.writers.html_summary import html_bytes
 
-    return html_bytes(job.composition, job.project, job.facts)
+    return html_bytes(tuple(storey.composition for storey in job.storeys), job.project, job.facts)
 
 
 _TABLE = (
-    Writer("dxf", "CAD drawing: plan in model space, sheet in paper space (R2000 to R2018)", _dxf),
-    Writer("svg", "the sheet in true millimetres, one group per layer", _svg),
-    Writer("pdf", "the sheet, vector, at true scale", _pdf),
-    Writer("png", "the sheet as a picture", _png),
+    Writer("dxf", "CAD drawing: plan in model space, sheet in paper space (R2000 to R2018)", _dxf, per_storey=True),
+    Writer("svg", "the sheet in true millimetres, one group per layer", _svg, per_storey=True),
+    Writer("pdf", "the sheet, vector, at true scale", _pdf, per_storey=True),
+    Writer("png", "the sheet as a picture", _png, per_storey=True),
     Writer("json", "the plan as data, with its schema version", _json),
     Writer("geojson", "the plan as features in plan metres, for GIS", _geojson),
     Writer("dimensions", "dimensions.csv, with an empty column to fill on site", _dimensions),
@@ -114,14 +124,33 @@ _TABLE = (
 WRITERS = {writer.name: writer for writer in _TABLE}
 
 
-def write(name: str, plan: Plan, path: Path, drawing: DrawingConfig, project: ProjectConfig, facts: SheetFacts) -> None:
-    """Write `plan` in the format called `name` (a key of `WRITERS`): the file appears whole or not at all.
+def write(name: str, plan: Plan, path: Path, drawing: DrawingConfig, project: ProjectConfig, facts: SheetFacts) -> tuple[Path, ...]:
+    """Write `plan` in the format called `name` (a key of `WRITERS`): each file appears whole or not at all; gives the files.
 
     Raises UsageError for an unknown format, ConfigError for drawing settings that do not exist or do not fit.
     """
+    return write_job(name, Job(plan, drawing, project, facts), path)
+
+
+def write_job(name: str, job: Job, path: Path) -> tuple[Path, ...]:
+    """The same for a job that several formats are written of."""
+    writer, paths = _writer_named(name), files_of(name, job.plan, path)
+    for one, part in zip(paths, job.storeys if writer.per_storey else (job,), strict=True):
+        write_atomically(one, writer.make(part))
+    return paths
+
+
+def files_of(name: str, plan: Plan, path: Path) -> tuple[Path, ...]:
+    """The files that `path` stands for: with several storeys, drawings are one file each, `plan-1.dxf`, `plan-2.dxf` for `plan.dxf`."""
+    if not (_writer_named(name).per_storey and plan.upper_storeys):
+        return (path,)
+    return tuple(path.with_stem(f"{path.stem}-{number}") for number in range(1, len(plan.storeys) + 1))
+
+
+def _writer_named(name: str) -> Writer:
     if name not in WRITERS:
         raise UsageError(f"format {name!r}: this program writes {', '.join(WRITERS)}")
-    write_atomically(path, WRITERS[name].make(Job(plan, drawing, project, facts)))
+    return WRITERS[name]
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -26,6 +26,7 @@ def dimensions_csv(plan: Plan) -> bytes:
     """One row per dimension, heights too; with `measured_m` filled in, `check` and `--laser` read the same file by `id`."""
     rows = (
         (
+            *_storey(plan, storey),
             dimension.id,
             f"{dimension.distance_m:.4f}",
             f"{NORMAL_95 * dimension.sigma_m:.4f}",
@@ -37,15 +38,17 @@ def dimensions_csv(plan: Plan) -> bytes:
             *(f"{value:.3f}" for value in (*dimension.start, *dimension.end)),
             "",
         )
-        for dimension in plan.dimensions
+        for storey in plan.storeys
+        for dimension in storey.dimensions
     )
-    return _table(DIMENSION_COLUMNS, rows)
+    return _table((*_storey_column(plan), *DIMENSION_COLUMNS), rows)
 
 
 def rooms_csv(plan: Plan) -> bytes:
     """One row per room; an unknown height is an empty cell."""
     rows = (
         (
+            *_storey(plan, storey),
             room.id,
             room.name,
             room.kind.value,
@@ -56,9 +59,19 @@ def rooms_csv(plan: Plan) -> bytes:
             "yes" if room.visited else "no",
             "yes" if room.partial else "no",
         )
-        for room in plan.rooms
+        for storey in plan.storeys
+        for room in storey.rooms
     )
-    return _table(ROOM_COLUMNS, rows)
+    return _table((*_storey_column(plan), *ROOM_COLUMNS), rows)
+
+
+def _storey_column(plan: Plan) -> tuple[str, ...]:
+    """The column that says which storey; plans of one storey need none."""
+    return ("storey",) if plan.upper_storeys else ()
+
+
+def _storey(plan: Plan, storey: Plan) -> tuple[str, ...]:
+    return (storey.level,) if plan.upper_storeys else ()
 
 
 def _metres(value_m: float | None) -> str:

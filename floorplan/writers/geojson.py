@@ -12,10 +12,19 @@ Feature = dict[str, Any]
 
 def geojson_bytes(plan: Plan) -> bytes:
     """One feature per line: rooms and columns as polygons, walls and glazing as lines, openings as points with their width."""
-    features = [*_rooms(plan), *_gross(plan), *_walls(plan), *_lines(plan), *_openings(plan), *_columns(plan)]
+    features = [feature for storey in plan.storeys for feature in _storey(storey)]
     lines = ",\n".join(json.dumps(feature, ensure_ascii=False) for feature in features)
     head = '{"type": "FeatureCollection", "units": "m", "frame": "plan: x and y along the walls", "features": ['
     return f"{head}\n{lines}\n]}}\n".encode()
+
+
+def _storey(plan: Plan) -> list[Feature]:
+    """Features of one storey; they say which one where it has a name."""
+    features = [*_rooms(plan), *_gross(plan), *_walls(plan), *_lines(plan), *_openings(plan), *_columns(plan)]
+    if plan.level:
+        for feature in features:
+            feature["properties"] |= {"storey": plan.level, "elevation_m": plan.elevation_m}
+    return features
 
 
 def _feature(kind: str, identity: str, geometry: str, coordinates: Any, **properties: Any) -> Feature:

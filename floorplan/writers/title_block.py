@@ -69,7 +69,7 @@ def values(composition: Composition, project: ProjectConfig, facts: SheetFacts) 
         "PROJECT": project.name or "Floor plan",
         "ADDRESS": project.address,
         "CLIENT": project.client,
-        "FLOOR": project.floor or composition.plan.level,
+        "FLOOR": floor_text(project, composition.plan),
         "SURVEYOR": project.surveyor,
         "DATE": facts.date,
         "SCAN": facts.scan,
@@ -79,6 +79,13 @@ def values(composition: Composition, project: ProjectConfig, facts: SheetFacts) 
         "UNITS": {"m": "metres", "mm": "millimetres", "ft": "feet and inches"}[composition.units.name],
         "SOFTWARE": facts.software,
     }
+
+
+def floor_text(project: ProjectConfig, plan: Plan) -> str:
+    """The floor as the project calls it; an upper storey says its height above the lowest too."""
+    if not plan.elevation_m:
+        return project.floor or plan.level
+    return " - ".join(word for word in (project.floor, f"{plan.level} ({plan.elevation_m:+.2f} m)") if word)
 
 
 def accuracy_text(plan: Plan) -> str:
