@@ -4,15 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.merge import evidence_kernels as kernels
-from floorplan.merge.evidence_kernels import APART, DEFERRED
+from floorplan.compiled import compiled
+from floorplan.merge.evidence_covariance import PENDING, Joint, column, multiplied_out
+from floorplan.merge.evidence_futures import better_future
+from floorplan.merge.evidence_live import BLOCK, NEVER, Live, best_pair, condition, join, rivals, score_all, score_block
 from floorplan.model.checks import Array
 
 CLEAR = 5.0  # log odds, 150 to 1: a rival weaker by this much (three sigma off) does not make a choice ambiguous
-MARGINS = (None, 3.0, 1.0)  # what the better future must lead by: first no rival at all, then 20 to 1, at last 3 to 1
+MARGINS = (np.inf, 3.0, 1.0)  # what the better future must lead by: first no rival at all, then 20 to 1, at last 3 to 1
 RIVALS = 16  # futures compared with that of the best pair; fewer may all be of one wrong kind
-DEPTH = 60  # merges looked ahead: more than one place of a building shows
-PENDING = 64  # rank-one updates multiplied out together
+WORTH_CLOSING_UP = 0.5  # share of pairs still in question below which the others are taken out
 
 
 @dataclass(frozen=True)
@@ -37,126 +38,119 @@ class Decision:
     plane: Array
     delta_m: Array
     variance_m2: Array
-    log_prior: Array
     open: Array
     log_evidence: float
 
 
 def decide(question: Question, covariance: Array) -> Decision:
     """Merge best first; a choice that would lose a nearly equal rival waits, then is settled by looking ahead, or is left open."""
-    work = _Work(question, covariance)
-    level = 0
-    while level < len(MARGINS):
-        h = kernels.best_pair(work.delta, work.var, work.log_prior, work.barred, APART | DEFERRED, work.live)
+    count, planes = len(question.first), len(covariance)
+    blocks = -(-count // BLOCK)
+    live = Live(
+        question.first.astype(np.int32), question.second.astype(np.int32), question.delta_m.copy(), question.variance_m2.copy(),
+        question.log_prior.copy(), np.where(question.apart, NEVER, 0.0), np.zeros(count, dtype=np.bool_),
+        np.arange(count, dtype=np.int32), np.zeros(blocks), np.zeros(blocks),
+    )  # fmt: skip
+    final = Live(*(values.copy() for values in live))
+    joint = Joint(np.ascontiguousarray(covariance), np.empty((PENDING, planes)), np.arange(planes))
+    component, log_evidence = _merge_all(live, final, joint, np.array(MARGINS))
+    return Decision(component, final.delta, final.var, final.waiting, log_evidence)
+
+
+@compiled
+def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[Array, float]:
+    """Merge until nothing is left to decide; `final` gets what became of every pair. Gives back the component of every plane."""
+    count, asked, r, level, moved, log_evidence = len(live.first), len(live.first), 0, 0, False, 0.0
+    seat, unit = np.full(len(joint.P), -1), np.empty(len(joint.P))
+    score_all(live, count)
+    while level < len(margins):
+        h = best_pair(live, count)
         if h < 0:
-            level = 0 if work.merged_since_review else level + 1
-            if level < len(MARGINS):
-                work.review()
+            level, moved = (0 if moved else level + 1), False
+            if level < len(margins):
+                live.waiting[:] = False
+                live.open_top[:] = live.top
             continue
-        chosen = work.settle(h, MARGINS[level])
-        if chosen >= 0:
-            work.merge(chosen)
-        else:
-            work.barred[h] |= DEFERRED
-    return work.decision()
+        chosen = _settled(live, count, joint, r, h, margins[level], unit)
+        if chosen < 0:
+            live.waiting[h] = True
+            score_block(live, h // BLOCK, count)
+            continue
+        moved, before = True, (live.odds[chosen], live.delta[chosen], live.var[chosen])
+        log_evidence += before[0]
+        if chosen != h:
+            _gain(live, joint, r, chosen, unit)
+        asked -= _merge(live, count, joint, unit, chosen, seat)
+        live.delta[chosen], live.var[chosen] = before[1], before[2]
+        joint.U[r] = unit
+        r += 1
+        if asked < WORTH_CLOSING_UP * count:
+            live, count = _closed_up(live, final, count)
+        if r == PENDING:
+            joint, number = multiplied_out(joint)
+            r, seat, unit = 0, seat[: len(joint.P)], unit[: len(joint.P)]
+            for k in range(count):
+                live.first[k], live.second[k] = number[live.first[k]], number[live.second[k]]
+    _closed_up(live, final, count)
+    return joint.component, log_evidence
 
 
-class _Work:
-    """The live pairs and the covariance, changed in place by every merge."""
+@compiled
+def _settled(live: Live, count: int, joint: Joint, r: int, h: int, margin: float, unit: Array) -> int:
+    """The pair to merge now in place of `h`: itself, a rival with a clearly better future, or -1 to put the choice off.
 
-    def __init__(self, question: Question, covariance: Array) -> None:
-        self.first, self.second = question.first.astype(np.int64), question.second.astype(np.int64)
-        self.delta, self.var = question.delta_m.copy(), question.variance_m2.copy()
-        self.log_prior, self.barred = question.log_prior.copy(), np.where(question.apart, APART, 0)
-        self.origin = np.arange(len(self.first))
-        self.final_delta, self.final_var = self.delta.copy(), self.var.copy()
-        self.final_prior = self.log_prior.copy()
-        self.P = covariance.copy()
-        self.U = np.zeros((PENDING + DEPTH + 2, len(covariance)))
-        self.pending, self.live = 0, len(self.first)
-        self.label = np.arange(len(covariance))
-        self.seat = np.full(len(covariance), -1)
-        self.cov = np.zeros(len(covariance))
-        self.merged_since_review, self.log_evidence = False, 0.0
+    `unit` is left with the gain of merging h.
+    """
+    _gain(live, joint, r, h, unit)
+    options = np.empty(RIVALS + 1, np.int64)
+    options[0] = h
+    found = rivals(live, count, unit, live.delta[h] / np.sqrt(live.var[h]), h, CLEAR, options[1:])
+    if found == 0:
+        return h
+    if not np.isfinite(margin):
+        return -1
+    return better_future(live, count, joint, r, unit, options[: found + 1], margin)
 
-    def settle(self, h: int, margin: float | None) -> int:
-        """The pair to merge now in place of `h`: itself, a rival with a clearly better future, or -1 to put the choice off."""
-        unit, pull = self._unit(h)
-        found = np.full(RIVALS, -1)
-        count = kernels.rivals(
-            self.first, self.second, self.delta, self.var, self.log_prior, self.barred, self.live, unit, pull, h, CLEAR, found
-        )
-        if count == 0:
-            return h
-        if margin is None:
-            return -1
-        options = [h, *(int(k) for k in found[:count])]
-        concerned = self._concerned(h)
-        futures = [self._future(k, concerned) for k in options]
-        best = int(np.argmax(futures))
-        against = [f for k, f in zip(options, futures, strict=True) if k != options[best] and self._excludes(options[best], k)]
-        return options[best] if futures[best] - max(against, default=-np.inf) >= margin else -1
 
-    def _excludes(self, chosen: int, other: int) -> bool:
-        """Whether merging `chosen` turns `other` down."""
-        unit, pull = self._unit(chosen)
-        part = float(unit[self.first[other]] - unit[self.second[other]])
-        var = max(float(self.var[other]) - part * part, kernels.SAME_M2)
-        return bool(kernels.score(self.delta[other] - part * pull, var, self.log_prior[other]) <= 0.0)
+@compiled
+def _gain(live: Live, joint: Joint, r: int, h: int, unit: Array) -> None:
+    """unit <- covariance of every component with the distance of pair h, over its sigma."""
+    column(joint.P, joint.U, r, live.first[h], live.second[h], unit)
+    sigma = np.sqrt(live.var[h])
+    for i in range(len(unit)):
+        unit[i] /= sigma
 
-    def merge(self, h: int) -> None:
-        """Condition everything on pair h being one plane and join the two components."""
-        self.log_evidence += kernels.score(self.delta[h], self.var[h], self.log_prior[h])
-        unit, pull = self._unit(h)
-        keep, gone, slot = int(self.first[h]), int(self.second[h]), self.origin[h]
-        before = (self.delta[h], self.var[h])
-        kernels.condition(self.first, self.second, self.delta, self.var, self.live, unit, pull)
-        self.U[self.pending] = unit
-        self.pending += 1
-        self.live = kernels.relabel(
-            self.first, self.second, self.delta, self.var, self.log_prior, self.barred, self.origin, self.final_delta,
-            self.final_var, self.live, keep, gone, self.seat,
-        )
-        self.final_delta[slot], self.final_var[slot] = before
-        self.label[self.label == gone] = keep
-        self.merged_since_review = True
-        if self.pending == PENDING:
-            self.P -= self.U[:PENDING].T @ self.U[:PENDING]
-            self.pending = 0
 
-    def review(self) -> None:
-        """Look again at what was put off."""
-        self.barred[: self.live] &= ~DEFERRED
-        self.merged_since_review = False
+@compiled
+def _merge(live: Live, count: int, joint: Joint, unit: Array, h: int, seat: Array) -> int:
+    """Condition all pairs on pair h being one plane and join its components; gives back how many pairs are settled by that."""
+    keep, gone = live.first[h], live.second[h]
+    condition(live, count, unit, live.delta[h] / np.sqrt(live.var[h]))
+    for i in range(len(joint.component)):
+        if joint.component[i] == gone:
+            joint.component[i] = keep
+    return join(live, count, keep, gone, seat)
 
-    def put_off(self) -> Array:
-        """Mask of the live pairs that wait."""
-        return np.asarray((self.barred[: self.live] & DEFERRED) > 0)
 
-    def decision(self) -> Decision:
-        live = slice(0, self.live)
-        origin = self.origin[live]
-        self.final_delta[origin], self.final_var[origin] = self.delta[live], self.var[live]
-        self.final_prior[origin] = self.log_prior[live]
-        waiting = np.zeros(len(self.final_delta), dtype=bool)
-        waiting[origin] = self.put_off()
-        return Decision(self.label, self.final_delta, self.final_var, self.final_prior, waiting, self.log_evidence)
-
-    def _unit(self, h: int) -> tuple[Array, float]:
-        sigma = np.sqrt(self.var[h])
-        kernels.column(self.P, self.U, self.pending, self.first[h], self.second[h], self.cov)
-        return self.cov / sigma, float(self.delta[h] / sigma)
-
-    def _concerned(self, h: int) -> Array:
-        """Mask of the live pairs that merging `h` would make clearly better known: futures are compared by these alone."""
-        concerned = np.zeros(self.live, dtype=np.bool_)
-        kernels.mark_concerned(self.first, self.second, self.var, self.live, self._unit(h)[0], concerned)
-        return concerned
-
-    def _future(self, h: int, concerned: Array) -> float:
-        return float(
-            kernels.roll_out(
-                self.first, self.second, self.delta, self.var, self.log_prior, self.barred, concerned, self.live, self.P, self.U,
-                self.pending, h, DEPTH,
-            )
-        )  # fmt: skip
+@compiled
+def _closed_up(live: Live, final: Live, count: int) -> tuple[Live, int]:
+    """The pairs still in question, and how many; what became of the first `count` is noted in `final`."""
+    kept = 0
+    for h in range(count):
+        slot = live.origin[h]
+        final.delta[slot], final.var[slot], final.waiting[slot] = live.delta[h], live.var[h], False
+        if live.first[h] == live.second[h]:
+            continue
+        final.waiting[slot] = live.waiting[h]
+        live.first[kept], live.second[kept], live.delta[kept], live.var[kept] = live.first[h], live.second[h], live.delta[h], live.var[h]
+        live.log_prior[kept], live.odds[kept] = live.log_prior[h], live.odds[h]
+        live.waiting[kept], live.origin[kept] = live.waiting[h], slot
+        kept += 1
+    blocks = -(-kept // BLOCK)
+    closed = Live(
+        live.first[:kept], live.second[:kept], live.delta[:kept], live.var[:kept], live.log_prior[:kept], live.odds[:kept],
+        live.waiting[:kept], live.origin[:kept], live.top[:blocks], live.open_top[:blocks],
+    )  # fmt: skip
+    for block in range(blocks):
+        score_block(closed, block, kept)
+    return closed, kept
