@@ -20,6 +20,7 @@ from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
 from floorplan.stage_functions import ingest
+from floorplan.trim import trimmed
 from floorplan.work.disk import new_file
 from floorplan.work.fingerprint import scan_fingerprint
 from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
@@ -47,7 +48,7 @@ class Job:
 def build(job: Job, reporter: Reporter | None = None) -> Results | None:
     """Scan to plan; None when `job.until` stops before the plan. Raises `FloorplanError` for all a user can mend."""
     config, reporter = job.config, reporter or SilentReporter()
-    source = open_scan(job.scan, job.format, config.read)
+    source = trimmed(open_scan(job.scan, job.format, config.read), config.ingest.trim)
     with _opened_work(job, source, reporter) as work, suppress(UntilReached):
         scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress("gravity")), count_scan)
         tell_problems(reporter, scan.recording.problems)

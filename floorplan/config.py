@@ -34,6 +34,7 @@ class IngestConfig:
     keyframe_gap_s: float = 1.0  # one keyframe at least this often
     laser_keyframe_distance_m: float = 0.10  # sweeps between are placed by matching; many at one place carry no news ...
     laser_keyframe_angle_deg: float = 3.0  # ... but a turn brings new beams into view: a little more densely than a camera's
+    trim: str = ""  # "12s:340s" of the recording are used, "12s:" to its end; empty: all of it
     max_unreadable_share: float = 0.10  # of the depth images; with more the recording itself is suspect
     returns_to_start: bool | None = None  # None: as the recording says
 

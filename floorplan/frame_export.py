@@ -10,6 +10,7 @@ from floorplan.export import finished
 from floorplan.model.scan import IngestedScan
 from floorplan.readers import open_scan
 from floorplan.readers.base import BadFrame
+from floorplan.trim import trimmed
 from floorplan.work.folder import read_owner
 from floorplan.work.stages import INGEST
 from floorplan.write_view import write_png
@@ -30,7 +31,7 @@ def export_frame(work: Path, config: Config, frame: int, path: Path) -> int:
     from floorplan.compass import survey
     from floorplan.segments import frame_picture, grid_stride, segment_frame
 
-    source = open_scan(Path(owner.scan), owner.format, config.read)
+    source = trimmed(open_scan(Path(owner.scan), owner.format, config.read), config.ingest.trim)
     index = int(np.argmin(np.abs(scan.keyframe - frame)))
     row, sensor = int(scan.keyframe[index]), scan.recording.sensor
     read = next(iter(source.frames([row], grid_stride(sensor, config.segments))))

@@ -130,7 +130,8 @@ def _records(work: Path) -> dict[str, dict[str, Any]]:
 
 
 def _returns_to_start(results: Results, scan_path: Path, config: Config) -> bool:
-    told = (config.ingest.returns_to_start, truth_returns_to_start(scan_path), results.scan.recording.returns_to_start)
+    truth = None if config.ingest.trim else truth_returns_to_start(scan_path)  # of the whole walk
+    told = (config.ingest.returns_to_start, truth, results.scan.recording.returns_to_start)
     return next((answer for answer in told if answer is not None), False)
 
 

@@ -8,6 +8,7 @@ from floorplan import __version__
 from floorplan.cli import (
     build_command,
     check_command,
+    compare_command,
     info_command,
     look_commands,
     merges_command,
@@ -45,6 +46,7 @@ app.command("build")(build_command.build)
 app.command("info")(info_command.info)
 app.command("status")(work_commands.status)
 app.command("check")(check_command.check)
+app.command("compare")(compare_command.compare)
 app.command("merges")(merges_command.merges)
 app.command("export")(work_commands.export)
 app.command("report")(report_command.report)

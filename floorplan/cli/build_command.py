@@ -36,6 +36,7 @@ def build(
     edits: Annotated[Path | None, typer.Option("--edits", metavar="F.toml", help="Corrections by hand.")] = None,
     format: o.Format = None,
     topics: o.Topics = None,
+    trim: o.Trim = None,
     units: o.Units = None,
     scale: o.Scale = None,
     sheet: o.Sheet = None,
@@ -47,7 +48,8 @@ def build(
     from floorplan.work.stages import stage_named
 
     reporter = ConsoleReporter(quiet, verbose)
-    effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics)], units=units, scale=scale, sheet=sheet)
+    short = [*o.topic_settings(topics), *o.trim_settings(trim)]
+    effective = o.effective_config(config, [*(settings or []), *short], units=units, scale=scale, sheet=sheet)
     redo_from = stage_named(from_stage) if from_stage else None
     until = stage_named(until_stage) if until_stage else None
     o.check_scan(scan)

@@ -16,16 +16,18 @@ def info(
     settings: o.Settings = None,
     format: o.Format = None,
     topics: o.Topics = None,
+    trim: o.Trim = None,
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
 ) -> None:
     """What is in a recording, and what 'build' would complain about."""
-    effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics)])
+    effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics), *o.trim_settings(trim)])
     o.check_scan(scan)
     from floorplan.inspection import inspect_scan
     from floorplan.readers import open_scan
+    from floorplan.trim import trimmed
 
-    source = open_scan(scan, format, effective.read)
+    source = trimmed(open_scan(scan, format, effective.read), effective.ingest.trim)
     facts = inspect_scan(source, effective.ingest, ConsoleReporter(quiet).progress("looking"))
     if as_json:
         echo_json(asdict(facts))

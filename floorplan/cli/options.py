@@ -29,6 +29,9 @@ JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="T
 Geojson = Annotated[Path | None, typer.Option("--geojson", metavar="FILE", help="The plan for GIS.")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="DIR", help="Tables: dimensions.csv and rooms.csv in this folder.")]
 Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="A page with the plan, its numbers and its problems (HTML).")]
+Trim = Annotated[
+    str | None, typer.Option("--trim", metavar="12s:340s", help="Use this part of the recording; either end may be left out.")
+]
 Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="Units of the drawing.")]
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]
@@ -47,6 +50,16 @@ def effective_config(path: Path | None, settings: list[str] | None, **drawing: s
 
     short = [f"drawing.{name}={value}" for name, value in drawing.items() if value is not None]
     return load_config(path, [*(settings or []), *short])
+
+
+def trim_settings(trim: str | None) -> list[str]:
+    """`--trim` as a setting, checked. Raises `UsageError` for what is no stretch of time."""
+    if trim is None:
+        return []
+    from floorplan.trim import parse_trim
+
+    parse_trim(trim)
+    return [f'ingest.trim="{trim}"']
 
 
 def topic_settings(topics: list[str] | None) -> list[str]:

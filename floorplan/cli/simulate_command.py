@@ -21,6 +21,8 @@ def simulate(
     rate_hz: Annotated[float | None, typer.Option("--rate", min=0.1, metavar="HZ", help="Frames per second.")] = None,
     image_scale: Annotated[float, typer.Option("--image-scale", min=0.05, metavar="X", help="Smaller or larger images.")] = 1.0,
     storeys: Annotated[int, typer.Option("--storeys", min=1, max=9, metavar="N", help="Floors above each other, joined by a stair.")] = 1,
+    noise_seed: Annotated[int | None, typer.Option("--noise-seed", metavar="N", help="Another walk in the same building.")] = None,
+    works: Annotated[bool, typer.Option("--works", help="The building after works: a wall moved, a partition built.")] = False,
     quiet: o.Quiet = False,
 ) -> None:
     """An exact building, a walked scan of it, and its truth."""
@@ -38,6 +40,8 @@ def simulate(
         rate_hz=rate_hz,
         image_scale=image_scale,
         storeys=storeys,
+        noise_seed=noise_seed,
+        works=works,
         progress=ConsoleReporter(quiet).progress("simulate"),
     )
     echo(str(out))

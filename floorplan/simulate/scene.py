@@ -13,6 +13,7 @@ from floorplan.simulate.presets import Preset, preset_named
 from floorplan.simulate.route import Route, Stop, plan_route
 from floorplan.simulate.storeys import Storey, joined, storey_height_m
 from floorplan.simulate.walk import Walk, draw_style, walk
+from floorplan.simulate.works import after_works
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,20 @@ class Scene:
         """The lowest storey."""
         return self.storeys[0].building
 
-
 def draw_scene(
-    preset_name: str, seed: int, *, hard: bool = False, path_scale: float = 1.0, rate_hz: float | None = None, storeys: int = 1
+    preset_name: str,
+    seed: int,
+    *,
+    hard: bool = False,
+    path_scale: float = 1.0,
+    rate_hz: float | None = None,
+    walk_seed: int | None = None,
+    works: bool = False,
+    storeys: int = 1,
 ) -> Scene:
     """The scene of a preset and seed; `hard` adds tall cabinets and open door leaves to the same rooms.
 
+    `walk_seed` walks the same route in another way; `works` moves a wall and builds a partition before the walk.
     Every storey has the same shell, its own furniture and its own walk of the preset's length.
     """
     preset = preset_named(preset_name, path_scale)
@@ -42,18 +51,23 @@ def draw_scene(
         np.random.default_rng([seed, part, *preset_name.encode()]) for part in range(5)
     ]
     shell, grid = draw_building(preset, layout_rng)
+    if walk_seed is not None:
+        walk_rng = np.random.default_rng([walk_seed, 5, *preset_name.encode()])
     style = draw_style(preset.sensor.fov_x_deg, walk_rng)
     rate = rate_hz or preset.rate_hz
+
+    def fitted_out(empty: Building, route: Route) -> Building:
+        hardened = add_hard_objects(empty, route, hard_rng) if hard else empty
+        furnished = furnish(hardened, route, furniture_rng)
+        return after_works(furnished, route) if works else furnished
+
     levels: list[Storey] = []
     whole: Walk | None = None
     for index in range(storeys):
         route = plan_route(shell, grid, preset.path_m, route_rng)
         if levels:
             route = _from_the_stair(route, levels[0].route)
-        building = add_glass_and_beams(shell, route, furniture_rng) if preset.glass else shell
-        if hard:
-            building = add_hard_objects(building, route, hard_rng)
-        building = furnish(building, route, furniture_rng)
+        building = fitted_out(add_glass_and_beams(shell, route, furniture_rng) if preset.glass else shell, route)
         floor, stage = index * storey_height_m(shell), walk(route, style, rate, walk_rng)
         whole = stage if whole is None else joined(whole, stage, floor, rate)
         levels.append(Storey(floor, building, route, slice(len(whole) - len(stage), len(whole))))

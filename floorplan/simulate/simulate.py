@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,8 @@ def simulate(
     rate_hz: float | None = None,
     image_scale: float = 1.0,
     storeys: int = 1,
+    noise_seed: int | None = None,
+    works: bool = False,
     progress: Progress = _silent,
 ) -> None:
     """Write a scan of a simulated building to the folder `out`, with its `truth.json`.
@@ -43,27 +46,32 @@ def simulate(
     `odometry_error` (0.02 is 2 %) overrides the drift of the preset; `path_scale` makes building and path larger;
     `rate_hz` and `image_scale` override the camera's; `sensor` "lidar16" a spinning LiDAR instead of it;
     `storeys` as many floors of one shell, walked one after the other.
-    Raises `UsageError` for an unknown preset or format, or an
-    `out` that is not empty.
+    `noise_seed` walks and measures the building of `seed` another time; `works` moves a wall in it and builds a partition.
+    Raises `UsageError` for an unknown preset or format, or an `out` that is not empty.
     """
     if out.exists() and any(out.iterdir()):
         raise UsageError(f"{out} is not empty; choose a new folder")
     chosen = format_named(format, sensor)
     if storeys > 1 and format == "carmen":
         raise UsageError("a robot on wheels climbs no stairs: --storeys needs another --format than carmen")
-    scene = chosen.scene(draw_scene(preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz, storeys=storeys))
-    odometry = _odometry(scene, seed, hard, odometry_error)
+    drawn = draw_scene(
+        preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz, storeys=storeys, walk_seed=noise_seed, works=works
+    )
+    noise = seed if noise_seed is None else noise_seed
+    scene = chosen.scene(replace(drawn, seed=noise))
+    odometry = _odometry(scene, noise, hard, odometry_error)
     parts = storey_surfaces(scene.storeys)
     surfaces = tuple(surface for part in parts for surface in part)
     instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
     coverage = Coverage(surfaces, instrument.rays, chosen.coverage_stride)
-    writer = chosen.writer(out, instrument, seed)
+    writer = chosen.writer(out, instrument, noise)
     for index, shot in enumerate(instrument.shots(scene.walk)):
         coverage.add(shot.surface, shot.true_m, scene.walk.position_m[index], scene.walk.world_from_camera[index])
         writer.frame(index, shot)
         progress(index + 1, len(scene.walk))
     writer.finish(scene.walk, odometry)
-    (out / "truth.json").write_text(json.dumps(truth_of(scene, parts, coverage), separators=(",", ":")) + "\n")
+    truth = truth_of(replace(scene, seed=seed), parts, coverage)
+    (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
 
 
 def _odometry(scene: Scene, seed: int, hard: bool, error: float | None) -> Odometry:
