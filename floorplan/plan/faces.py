@@ -9,9 +9,13 @@ import numpy as np
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.plan import Rejection
-from floorplan.plan.edges import rays_beyond, refined_edge_m
+from floorplan.plan.edges import SEARCH_CELLS, rays_beyond, refined_edge_m
 from floorplan.plan.surface_evidence import PlaneEvidence
 
+MIN_GLIMPSES = 2  # keyframes that must have seen a piece on the surface of a wall that is well seen elsewhere, ...
+MIN_GLIMPSED_M = 0.8  # ... or one longer than what stands or passes by in a room
+MIN_POST_M, MAX_POST_M = 0.06, 0.40  # of a pier between two openings: wider is a wall, narrower a frame
+MIN_POST_HEIGHT = 0.7  # of the wall band's rows that a pier must be hit in
 TOP_WINDOW_M = 0.4  # how far below the highest evidence "seen over the top" looks
 SPARSE_COLUMNS = 3  # points of one surface lie no farther apart than this when it was really looked at
 MIN_OF_BLOCKED = 0.1  # a run hit less often than this share of what stands right before it is made of stray readings
@@ -55,9 +59,10 @@ class Run:
 
 @dataclass(frozen=True)
 class FaceEvidence:
-    """The runs that are wall, and what was kept off the plan."""
+    """The runs that are wall, slender ones that are if they stand in a wall's gap, and what was kept off the plan."""
 
     runs: tuple[Run, ...]
+    posts: tuple[Run, ...]
     rejections: tuple[Rejection, ...]
 
 
@@ -74,15 +79,17 @@ class ColumnVerdict:
 def find_runs(evidence: tuple[PlaneEvidence, ...], config: PlanConfig, heights: bool) -> FaceEvidence:
     """Wall runs of all planes, and rejections counted by reason."""
     runs: list[Run] = []
+    posts: list[Run] = []
     lost: dict[Reason, list[float]] = defaultdict(list)
     for plane in evidence:
         verdict = judge_columns(plane, config, heights)
         kept, refused = _runs_of_plane(plane, verdict, config, heights)
         runs += kept
+        posts += _posts(plane, verdict, config, heights)
         for reason, length in refused:
             lost[reason].append(length)
     rejections = tuple(Rejection(str(reason), len(lengths), float(sum(lengths))) for reason, lengths in sorted(lost.items()))
-    return FaceEvidence(tuple(runs), rejections)
+    return FaceEvidence(tuple(runs), tuple(posts), rejections)
 
 
 def judge_columns(evidence: PlaneEvidence, config: PlanConfig, heights: bool) -> ColumnVerdict:
@@ -132,7 +139,7 @@ def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> tuple[Array, Ar
 def _runs_of_plane(
     evidence: PlaneEvidence, verdict: ColumnVerdict, config: PlanConfig, heights: bool
 ) -> tuple[list[Run], list[tuple[Reason, float]]]:
-    kept, refused = [], []
+    kept, glimpsed, refused = [], [], []
     found = bridged_spans(verdict, evidence.along_step_m, config.max_bridged_gap_m)
     for k, (first, last) in enumerate(found):
         before = first - found[k - 1][1] if k else first
@@ -143,15 +150,37 @@ def _runs_of_plane(
             refused.append((Reason.SHORT, run.length_m))
         elif heights and run.hits < MIN_OF_BLOCKED * evidence.blocked[first:last].sum():
             refused.append((Reason.BEHIND, run.length_m))
-        elif seen_in < config.min_frames:
-            refused.append((Reason.FEW_FRAMES, run.length_m))
-        else:
+        elif seen_in >= config.min_frames:
             kept.append(run)
+        else:
+            glimpsed.append((run, seen_in))
+    on_wall = bool(kept)  # what goes on from a wall is believed sooner than a surface of its own
+    for run, seen_in in glimpsed:
+        if seen_in >= MIN_GLIMPSES and (on_wall or run.length_m >= MIN_GLIMPSED_M):
+            kept.append(run)
+        else:
+            refused.append((Reason.FEW_FRAMES, run.length_m))
     through = verdict.open & (evidence.hits.sum(axis=1) > 0) & ~verdict.low
     for reason, columns in ((Reason.LOW, verdict.low), (Reason.OVER_TOP, verdict.over_top), (Reason.SEEN_THROUGH, through)):
         lengths = [(b - a) * evidence.along_step_m for a, b in spans(columns)]
         refused += [(reason, length) for length in lengths if length >= config.min_wall_length_m]
     return kept, refused
+
+
+def _posts(evidence: PlaneEvidence, verdict: ColumnVerdict, config: PlanConfig, heights: bool) -> list[Run]:
+    """Slender pieces as high as the wall band with rays past both ends: piers between two openings, if walls go on beyond those."""
+    if not heights:
+        return []
+    band = slice(evidence.row(config.wall_band_low_m), evidence.row(config.wall_band_high_m))
+    found = []
+    for first, last in spans(verdict.wall):
+        if (last - first) * evidence.along_step_m > MAX_POST_M + 2 * evidence.along_step_m:
+            continue
+        run = _run(evidence, verdict, _Span(first, last, SEARCH_CELLS, SEARCH_CELLS), heights)
+        upright = (evidence.hits[first:last, band].sum(axis=0) > 0).mean() >= MIN_POST_HEIGHT
+        if MIN_POST_M <= run.length_m <= MAX_POST_M and run.open_start and run.open_end and upright:
+            found.append(run)
+    return found
 
 
 def spans(mask: Array) -> list[tuple[int, int]]:

@@ -7,9 +7,8 @@ import numpy as np
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.plan.corners import MIN_SIDE_M, FaceRun
-from floorplan.plan.surface_evidence import PlaneEvidence
+from floorplan.plan.surface_evidence import SAME_SURFACE_M, PlaneEvidence
 
-SAME_SURFACE_M = 0.06  # faces of equal facing less than this apart continue each other across an opening
 OPEN_SHARE = 0.6  # share of a gap's columns that rays must have passed for it to be an opening
 MIN_LINTEL_SHARE = 0.5  # share of a gap's seen columns that must be hit above for a lintel
 HEAD_ROOM_M = 1.7  # a lintel begins no lower than this

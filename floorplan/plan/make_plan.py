@@ -22,7 +22,9 @@ from floorplan.plan.gaps import Gap, find_gaps
 from floorplan.plan.glazing import as_glazing, glazed_lines
 from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
+from floorplan.plan.panes import paned_gaps
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
+from floorplan.plan.posts import standing_posts
 from floorplan.plan.room_facts import described, height_dimensions, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.storeys import patches_of, stacked, storeys
@@ -53,7 +55,8 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     drawing = draw_walls(faces, bodies, matter, covariance, ids)
     columns = column_bodies(bodies, faces)
     walls = without_columns(drawing, column_faces(columns, faces))
-    glazed = glazed_lines(world, faces, config)
+    mullioned = glazed_lines(world, faces, config)
+    glazed = mullioned + paned_gaps(world, faces, gaps, mullioned, config)
     path = world.trajectory.position_m[:, :2]
     openings = with_walls(find_openings(gaps, faces, path, surfaces.thick, config), walls)
     bare_rooms = find_rooms(RoomScene(faces, gaps, bodies, glazed, free_space(world), path), config)
@@ -97,7 +100,8 @@ def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
     """Judge all upright planes by their rays and join what is wall."""
     evidence = surface_evidence(world, config)
     found = find_runs(evidence, config, world.heights)
-    single, doubled = without_doubles(tuple(_face_run(run, world) for run in found.runs), evidence, config, world.heights)
+    walls, slender = (tuple(_face_run(run, world) for run in runs) for runs in (found.runs, found.posts))
+    single, doubled = without_doubles(walls + standing_posts(slender, walls), evidence, config, world.heights)
     faces = joined_corners(single, config.max_bridged_gap_m)
     pairs = paired_faces(faces, config)
     faces = agreed_jambs(faces, pairs)

@@ -9,7 +9,8 @@ from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.plan import Opening, OpeningKind, Point, Wall
 from floorplan.plan.corners import FaceRun
-from floorplan.plan.gaps import OPEN_SHARE, SAME_SURFACE_M, Gap
+from floorplan.plan.gaps import OPEN_SHARE, Gap
+from floorplan.plan.surface_evidence import SAME_SURFACE_M
 
 EDGE_SIGMA_M = 0.005  # of one jamb: the grain of the fine ray counts
 AT_END_M = 0.10  # jambs of the two faces are drawn within this of the opening's mean end

@@ -15,6 +15,8 @@ LOWEST_M, HIGHEST_M = -0.3, 6.0  # heights above the floor that are looked at
 NOISE_SIGMAS = 2.5  # readings farther off a surface than this are not on it
 UNBOUNDED_M = 1e6  # higher than anything
 LOOSE_MARGIN_M = 0.15  # a surface goes on this far beyond its segments, whose ends are trimmed; a skewed wall soon leaves it
+SAME_SURFACE_M = 0.06  # faces of equal facing less than this apart continue each other across an opening
+MAX_LINE_GAP_M = 8.0  # a longer stretch between two planes in line is no gap of one wall
 MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
 
 
@@ -101,7 +103,22 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
 
 
 def _reach(world: PlanWorld, plane: int) -> Array:
-    """Where points of no plane may belong to this one: its extent and a margin (along low, high, up low, high)."""
-    along, up = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])], world.plane_extent_m[plane, 2]
+    """Where points of no plane may belong to this one: its extent, gaps to planes in line, a margin (along low, high, up low, high)."""
+    along, up = _in_line(world, plane), world.plane_extent_m[plane, 2]
     box = np.array([along[0] - LOOSE_MARGIN_M, along[1] + LOOSE_MARGIN_M, up[0] - LOOSE_MARGIN_M, up[1] + LOOSE_MARGIN_M])
     return np.where(np.isnan(box), [-np.inf, np.inf, -np.inf, np.inf], box)
+
+
+def _in_line(world: PlanWorld, plane: int) -> Array:
+    """Extent along it (low, high) of a plane and of the gaps to those that continue it: posts too slender for segments stand there."""
+    axis = int(world.plane_axis[plane])
+    extent = world.plane_extent_m[:, 1 - axis]
+    same = (world.plane_axis == axis) & (world.plane_facing == world.plane_facing[plane])
+    same &= np.abs(world.plane_offset_m - world.plane_offset_m[plane]) <= SAME_SURFACE_M
+    low, high = extent[plane]
+    before, after = extent[same & (extent[:, 1] < low), 1], extent[same & (extent[:, 0] > high), 0]
+    if len(before) and low - before.max() <= MAX_LINE_GAP_M:
+        low = before.max()
+    if len(after) and after.min() - high <= MAX_LINE_GAP_M:
+        high = after.min()
+    return np.array([low, high])

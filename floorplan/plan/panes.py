@@ -1,0 +1,118 @@
+"""Panes in wide gaps of a wall: most rays went through, a few came back from one line within the wall's depth."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.config import PlanConfig
+from floorplan.model.checks import Array
+from floorplan.plan.corners import FaceRun
+from floorplan.plan.gaps import Gap
+from floorplan.plan.glazing import GlazedLine
+from floorplan.plan.plan_frame import PlanWorld
+from floorplan.plan.surface_evidence import MAX_LINE_GAP_M, SAME_SURFACE_M
+
+BIN_M = 0.10  # grain along the gap
+LINE_BIN_M = 0.02  # grain across it
+LINE_HALF_WIDTH_M = 0.03  # returns of one pane scatter by the sensor's noise only
+JAMB_M = 0.10  # beside the ends of the wall its own jambs and the trails of their edges return rays
+COVERED_SHARE = 0.7  # of the bins along the gap must return something from the pane and let something through
+ON_LINE_SHARE = 0.75  # of what is returned from within the wall's depth: flying points of edges lie anywhere in it
+THROUGH_SHARE = 0.1  # of a bin's returns must have gone on at least: glass is not met head-on from everywhere
+MIN_RETURNS = 20  # of a pane altogether
+MIN_RAYS = 3  # that went through the median bin
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """A gap of a wall's line: between two runs, looked at from `facing`."""
+
+    axis: int
+    facing: int
+    offset_m: float
+    start_m: float
+    end_m: float
+
+
+def paned_gaps(
+    world: PlanWorld, faces: tuple[FaceRun, ...], gaps: tuple[Gap, ...], known: tuple[GlazedLine, ...], config: PlanConfig
+) -> tuple[GlazedLine, ...]:
+    """Glazing from jamb to jamb for gaps that hold a pane; none over sills (those are windows), in `known` glazing or for level sweeps."""
+    if not world.heights:
+        return ()
+    z = world.point_m[:, 2]
+    rows = np.flatnonzero((z > config.wall_band_low_m) & (z < config.wall_band_high_m))
+    windows = [(faces[gap.face].axis, faces[gap.face].offset_m, gap.start_m, gap.end_m) for gap in gaps if gap.is_window]
+    found: list[GlazedLine] = []
+    for stretch in _stretches(faces, config):
+        taken = [*windows, *((line.axis, line.offset_m, line.start_m, line.end_m) for line in (*known, *found))]
+        if any(_overlaps(stretch, *one, config.max_thickness_m) for one in taken):
+            continue
+        pane = _pane(world, rows, stretch, config)
+        if pane is not None:
+            found.append(pane)
+    return tuple(found)
+
+
+def _stretches(faces: tuple[FaceRun, ...], config: PlanConfig) -> Iterator[_Stretch]:
+    """Gaps wider than a door leaf between neighbouring runs of one surface."""
+    for face in faces:
+        ahead = [
+            other.start_m
+            for other in faces
+            if other.axis == face.axis
+            and other.facing == face.facing
+            and abs(other.offset_m - face.offset_m) <= SAME_SURFACE_M
+            and other.start_m > face.end_m
+        ]
+        width = min(ahead, default=np.inf) - face.end_m
+        if config.min_door_width_m <= width <= MAX_LINE_GAP_M:
+            yield _Stretch(face.axis, face.facing, face.offset_m, face.end_m, face.end_m + width)
+
+
+def _overlaps(stretch: _Stretch, axis: int, offset_m: float, start_m: float, end_m: float, reach_m: float) -> bool:
+    near = axis == stretch.axis and abs(offset_m - stretch.offset_m) <= reach_m
+    return near and min(end_m, stretch.end_m) > max(start_m, stretch.start_m)
+
+
+def _pane(world: PlanWorld, rows: Array, stretch: _Stretch, config: PlanConfig) -> GlazedLine | None:
+    """The line within the wall's depth that returns rays from nearly the whole gap while more rays pass it."""
+    low, high = stretch.start_m + JAMB_M, stretch.end_m - JAMB_M
+    edges = np.linspace(low, high, max(int((high - low) / BIN_M), 2) + 1)
+    point = world.point_m[rows]
+    along, depth = point[:, 1 - stretch.axis], (stretch.offset_m - point[:, stretch.axis]) * stretch.facing
+    inside = (along > low) & (along < high) & (depth > -LINE_HALF_WIDTH_M) & (depth < config.max_thickness_m)
+    if inside.sum() < MIN_RETURNS:
+        return None
+    line = _densest(depth[inside])
+    on_line = inside & (np.abs(depth - line) <= LINE_HALF_WIDTH_M)
+    if on_line.sum() < ON_LINE_SHARE * inside.sum():
+        return None
+    returned = np.histogram(along[on_line], bins=edges)[0]
+    offset = stretch.offset_m - stretch.facing * line
+    through = _through(world, rows, stretch.axis, offset, edges)
+    glassy = (returned > 0) & (through >= np.maximum(THROUGH_SHARE * returned, 1))
+    if glassy.mean() < COVERED_SHARE or np.median(through) < MIN_RAYS:
+        return None
+    return GlazedLine(stretch.axis, float(offset), stretch.start_m, stretch.end_m, np.zeros(0))
+
+
+def _densest(depth: Array) -> float:
+    """Middle of the fullest window of a line's width."""
+    low = float(depth.min())
+    counts = np.bincount(((depth - low) / LINE_BIN_M).astype(np.int64))
+    width = round(2 * LINE_HALF_WIDTH_M / LINE_BIN_M)
+    sums = np.convolve(counts, np.ones(width))[width - 1 :]
+    first = low + int(np.argmax(sums)) * LINE_BIN_M
+    return float(np.median(depth[(depth >= first) & (depth < first + width * LINE_BIN_M)]))
+
+
+def _through(world: PlanWorld, rows: Array, axis: int, offset: float, edges: Array) -> Array:
+    """How many rays crossed the line in each bin, ending clearly beyond it."""
+    point, sensor = world.point_m[rows], world.trajectory.position_m[world.point_frame[rows]]
+    before, beyond = sensor[:, axis] - offset, point[:, axis] - offset
+    crossed = (before * beyond < 0) & (np.abs(beyond) > 2 * LINE_HALF_WIDTH_M)
+    share = before[crossed] / (before - beyond)[crossed]
+    along = sensor[crossed, 1 - axis] + share * (point[crossed, 1 - axis] - sensor[crossed, 1 - axis])
+    return np.histogram(along, bins=edges)[0]
