@@ -15,9 +15,10 @@ from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
-from floorplan.readers import Source, open_scan
+from floorplan.readers import open_scan
 from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
+from floorplan.several.shared import shared_planes, tell_shared
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
 from floorplan.stage_functions import ingest
 from floorplan.trim import trimmed
@@ -49,28 +50,35 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
     """Scan to plan; None when `job.until` stops before the plan. Raises `FloorplanError` for all a user can mend."""
     config, reporter = job.config, reporter or SilentReporter()
     source = trimmed(open_scan(job.scan, job.format, config.read), config.ingest.trim)
-    with _opened_work(job, source, reporter) as work, suppress(UntilReached):
+    owner = Owner(str(job.scan.resolve()), source.recording.format, scan_fingerprint(job.scan, job.work))
+    with opened_work(job, owner, reporter) as work, suppress(UntilReached):
         scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress("gravity")), count_scan)
         tell_problems(reporter, scan.recording.problems)
         segmented = work.stage(SEGMENTS, SegmentedScan, lambda: segment_in_chunks(source, scan, config, work, job.jobs), count_segments)
         tell_problems(reporter, segmented.problems)
-        layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
-        corrected = Corrections(config, work.path, reporter)
-        merged = work.stage(MERGE, MergeResult, lambda: corrected.merged(layout), count_merge)
-        known = Surveyed(scan, segmented, layout, merged)
-        solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
-        plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
-        results = Results(scan, segmented, layout, merged, solution, corrected.named(plan))
-        table = write_root_files(results, job.scan, work.path, config)
-        write_drawings(results, table, job.scan, job.drawings, config, reporter)
-        return results
+        return finish(job, work, scan, segmented, reporter)
     return None
 
 
+def finish(job: Job, work: WorkFolder, scan: IngestedScan, segmented: SegmentedScan, reporter: Reporter) -> Results:
+    """From segments to the plan, its files and drawings. Raises `UntilReached` where `job.until` stops before."""
+    config = job.config
+    layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
+    corrected = Corrections(config, work.path, reporter)
+    merged = work.stage(MERGE, MergeResult, lambda: corrected.merged(layout), count_merge)
+    known = Surveyed(scan, segmented, layout, merged)
+    solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
+    tell_shared(reporter, shared_planes(scan, layout.graph, solution))
+    plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
+    results = Results(scan, segmented, layout, merged, solution, corrected.named(plan))
+    table = write_root_files(results, job.scan, work.path, config)
+    write_drawings(results, table, job.scan, job.drawings, config, reporter)
+    return results
+
+
 @contextmanager
-def _opened_work(job: Job, source: Source, reporter: Reporter) -> Iterator[WorkFolder]:
-    """The work folder of this scan, locked, with the effective configuration beside the stages."""
-    owner = Owner(str(job.scan.resolve()), source.recording.format, scan_fingerprint(job.scan, job.work))
+def opened_work(job: Job, owner: Owner, reporter: Reporter) -> Iterator[WorkFolder]:
+    """The work folder of `owner`'s scan, locked, with the effective configuration beside the stages."""
     claim(job.work, owner)
     with locked(job.work) as left_behind:
         if left_behind is not None:

@@ -40,6 +40,14 @@ class IngestConfig:
 
 
 @dataclass(frozen=True)
+class SeveralConfig:
+    """How several scans of one floor are laid on each other."""
+
+    start: str = "match"  # by their walls, wherever; "common": all began at one place; else a file of point pairs, as by --start
+    start_sha256: str = ""  # of that file, filled in by the program
+
+
+@dataclass(frozen=True)
 class CompassConfig:
     """Manhattan yaw, in `2-segments`."""
 
@@ -168,6 +176,7 @@ class Config:
 
     read: ReadConfig = field(default_factory=ReadConfig)
     ingest: IngestConfig = field(default_factory=IngestConfig)
+    several: SeveralConfig = field(default_factory=SeveralConfig)
     compass: CompassConfig = field(default_factory=CompassConfig)
     segments: SegmentsConfig = field(default_factory=SegmentsConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)

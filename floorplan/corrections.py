@@ -20,6 +20,7 @@ from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.model.ties import Calibration
 from floorplan.plan_names import NAME, Book, book_text, load_book, named
 from floorplan.reporting import Reporter, SilentReporter
+from floorplan.several.start import COMMON, MATCH, read_point_pairs
 from floorplan.stage_functions import make_plan, merge, resolve
 from floorplan.trajectory import keyframe_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
@@ -139,6 +140,15 @@ def with_edits(config: Config, edits: Path | None) -> Config:
     """The configuration that uses the edits of a file. Raises ConfigError when they cannot be read."""
     path, digest = _checked_file(edits, config.edits.edits_file, read_edits)
     return replace(config, edits=replace(config.edits, edits_file=path, edits_sha256=digest))
+
+
+def with_start(config: Config, start: str | None) -> Config:
+    """The configuration that lays several scans as `--start` says: a word, or a file of point pairs, which is read here to be sure."""
+    word = start or config.several.start
+    if word in (MATCH, COMMON):
+        return replace(config, several=replace(config.several, start=word, start_sha256=""))
+    path, digest = _checked_file(Path(word), "", read_point_pairs)
+    return replace(config, several=replace(config.several, start=path, start_sha256=digest))
 
 
 def _checked_file(given: Path | None, configured: str, read: Callable[[Path], object]) -> tuple[str, str]:

@@ -78,6 +78,7 @@ def sheet_facts(results: Results, table: Summary, scan: Path) -> "SheetFacts":
 
     recording = results.scan.recording
     rows = (
+        *(FactRow("Scan", f"{part.name}: {part.start}") for part in results.scan.parts),
         FactRow("Format", recording.format),
         FactRow("Gravity", recording.gravity_source.value),
         FactRow("Frames", f"{table.frames}, of which {table.keyframes} were looked at"),

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from floorplan.config import Config
-from floorplan.errors import InputError
+from floorplan.errors import InputError, UsageError
 from floorplan.export import finished
 from floorplan.model.scan import IngestedScan
 from floorplan.readers import open_scan
@@ -25,6 +25,8 @@ def export_frame(work: Path, config: Config, frame: int, path: Path) -> int:
     for a frame that cannot be read, `WorkFolderError` before the first stage is finished.
     """
     owner = read_owner(work)
+    if owner.scans:
+        raise UsageError(f"{work} joins {len(owner.scans)} scans; --frame shows those of one: give {work / 'scan-1'}")
     scan = finished(work, INGEST, IngestedScan)
     if scan.recording.sensor.height == 1:
         raise InputError(f"{owner.scan}: a laser sweep has no depth image to show; --frame is for cameras")

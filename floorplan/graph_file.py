@@ -20,7 +20,9 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
     "facing": ("M",),
     "extent": ("M", 3, 2),
 }
-_WHOLE_NUMBERS = ("frame", "track", "axis", "facing")
+_MAY_BE_THERE: dict[str, tuple[int | str, ...]] = {"sigma": ("K",), "link": ("B",), "link_sigma": ("B", 3)}
+_WHOLE_NUMBERS = ("frame", "track", "axis", "facing", "link")
+DEFAULT_LINK_SIGMA_M = 0.5  # of a rough pose that came without one: a step to the side
 _MAY_BE_NAN = ("extent",)
 
 
@@ -38,6 +40,8 @@ def save_graph(graph: LayoutGraph, path: Path) -> None:
     }
     if graph.sigma_m is not None:
         arrays["sigma"] = graph.sigma_m
+    if len(graph.link):
+        arrays |= {"link": graph.link, "link_sigma": graph.link_sigma_m}
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)
 
@@ -45,8 +49,11 @@ def save_graph(graph: LayoutGraph, path: Path) -> None:
 def load_graph(path: Path) -> LayoutGraph:
     """The graph in `path`. Raises InputError that names the array, the row and what is wrong with it."""
     arrays = _read_arrays(path)
-    shapes = dict(_SHAPES) | ({"sigma": ("K",)} if "sigma" in arrays else {})
-    sizes = {"N": len(np.atleast_1d(arrays["stamp"])), "K": len(np.atleast_1d(arrays["frame"])), "M": len(np.atleast_1d(arrays["axis"]))}
+    shapes = dict(_SHAPES) | {name: shape for name, shape in _MAY_BE_THERE.items() if name in arrays}
+    links = arrays.setdefault("link", np.zeros(0, dtype=np.int64))
+    arrays.setdefault("link_sigma", np.full((len(np.atleast_1d(links)), 3), DEFAULT_LINK_SIGMA_M))
+    named = {"N": "stamp", "K": "frame", "M": "axis", "B": "link"}
+    sizes = {size: len(np.atleast_1d(arrays[name])) for size, name in named.items()}
     if sizes["N"] == 0:
         raise InputError(f"{path}: array 'stamp' is empty; a layout graph needs at least one frame")
     sizes["N-1"] = sizes["N"] - 1
@@ -62,6 +69,8 @@ def load_graph(path: Path) -> LayoutGraph:
         facing=arrays["facing"],
         extent_m=arrays["extent"],
         sigma_m=arrays.get("sigma"),
+        link=links,
+        link_sigma_m=arrays["link_sigma"],
     )
     _check_values(path, graph)
     return graph
@@ -102,6 +111,8 @@ def _check_values(path: Path, graph: LayoutGraph) -> None:
     _check_rows(path, "stamp", np.concatenate(([False], np.diff(graph.stamp_s) < 0)), "earlier than the one before")
     if graph.sigma_m is not None:
         _check_rows(path, "sigma", graph.sigma_m <= 0, "not positive")
+    _check_rows(path, "link", (graph.link < 0) | (graph.link >= frames - 1), f"out of range 0..{frames - 2}")
+    _check_rows(path, "link_sigma", np.asarray((graph.link_sigma_m <= 0).any(axis=1)), "not positive")
     seen = np.bincount(graph.track, minlength=tracks)
     _check_rows(path, "track", seen == 0, "without any measurement: take the track out", of="track")
 

@@ -8,6 +8,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
 from floorplan.model.segment import NO_TRACK, SegmentedScan, Segments, Tracks
+from floorplan.odometry_steps import keyframe_steps
 from floorplan.range_accuracy import range_accuracy
 
 
@@ -16,14 +17,11 @@ def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -
 
     Rows whose sign contradicts their facing are left out (see `with_signs_from_facing`, which counts them).
     """
-    recording, keyframe = scan.recording, scan.keyframe
-    stamp_ns = recording.stamp_ns[keyframe]
+    recording = scan.recording
     rows = _one_row_per_frame_and_track(segmented.segments, tracks)
     graph = LayoutGraph(
-        stamp_s=(stamp_ns - stamp_ns[:1]) / NANOSECONDS_PER_SECOND,
-        translation_m=odometry_rows(
-            recording.position_m[keyframe], recording.odom_from_sensor[keyframe], segmented.frames.world_from_sensor
-        ),
+        stamp_s=_seconds(scan),
+        translation_m=keyframe_steps(scan, segmented.frames.world_from_sensor),
         frame=rows.frame,
         track=rows.track,
         distance_m=rows.distance_m,
@@ -33,17 +31,18 @@ def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -
         sigma_m=rows.sigma_m,
         heading_sigma_rad=float(np.median(segmented.frames.yaw_sigma_rad)),
         range_accuracy=range_accuracy(recording.sensor),
+        link=np.array([part.first_keyframe - 1 for part in scan.linked], dtype=np.int64),
+        link_sigma_m=np.array([part.link_sigma_m for part in scan.linked]).reshape(-1, 3),
     )
     return with_signs_from_facing(graph)[0]
 
 
-def odometry_rows(position_odom_m: Array, odom_from_sensor: Array, world_from_sensor: Array) -> Array:
-    """`t_i = R_i R_odo_i^T (o_{i+1} - o_i)` (N-1, 3): odometry's step turned into the axis-aligned world.
-
-    Between keyframes the odometry's own poses carry the frames left out, so the keyframes' positions suffice.
-    """
-    world_from_odom = world_from_sensor[:-1] @ np.swapaxes(odom_from_sensor[:-1], 1, 2)
-    return np.asarray(np.einsum("nij,nj->ni", world_from_odom, np.diff(position_odom_m, axis=0)))
+def _seconds(scan: IngestedScan) -> Array:
+    """Seconds (F,) since the first keyframe; scans recorded at other times follow each other without a pause."""
+    stamp_ns = scan.recording.stamp_ns[scan.keyframe]
+    steps = np.diff(stamp_ns)
+    steps[[part.first_keyframe - 1 for part in scan.linked]] = 0
+    return np.concatenate(([0.0], np.cumsum(steps))) / NANOSECONDS_PER_SECOND
 
 
 def sign_disagrees(graph: LayoutGraph) -> Array:

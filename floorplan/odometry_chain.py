@@ -1,5 +1,7 @@
 """Builds chains from odometry rows: plain ones, and the joint x-y chain with scale and sideways rates as states."""
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from floorplan.chain import Chain
@@ -8,6 +10,20 @@ from floorplan.model.noise import DriftModel, VerticalDrift
 
 PX, PY, SCALE, SIDEWAYS = 0, 1, 2, 3  # states of a frame of the joint chain
 STEP_FLOOR_M = 0.01  # a sensor that stands still still trembles: keeps every odometry row's variance above zero
+
+
+@dataclass(frozen=True)
+class Links:
+    """Rows that are no odometry but the rough pose of one scan against the one before: `row (B,)` of the steps, `sigma_m (B, 3)`.
+
+    The rates of the odometry start anew behind them.
+    """
+
+    row: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    sigma_m: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+
+NO_LINKS = Links()
 
 
 def step_variance_m2(translation_m: Array, drift: DriftModel) -> Array:
@@ -24,7 +40,7 @@ def plain_chain(translation_m: Array, weight: Array) -> Chain:
     return builder.chain(pinned=1)
 
 
-def joint_chain(translation_m: Array, drift: DriftModel) -> Chain:
+def joint_chain(translation_m: Array, drift: DriftModel, links: Links = NO_LINKS) -> Chain:
     """x and y together, states (px, py, s, w) and one dense column g, the global scale.
 
     `p_{i+1} - p_i - (s_i + g) t_i - w_i J t_i = t_i`, J a quarter turn; `s` and `w` are AR(1) in the path length.
@@ -33,42 +49,55 @@ def joint_chain(translation_m: Array, drift: DriftModel) -> Chain:
     count = len(t) + 1
     builder = _Builder(count, 4, 1)
     builder.add_prior(0, (0.0, 0.0, drift.scale_sigma**-2, drift.sideways_sigma**-2))
-    _add_steps(builder, t, step_variance_m2(t, drift))
-    _add_rates(builder, t, drift)
+    variance = np.repeat(step_variance_m2(t, drift)[:, None], 2, axis=1)
+    variance[links.row] = links.sigma_m[:, :2] ** 2
+    felt = t.copy()  # the step that rates and scale act on
+    felt[links.row] = 0.0
+    _add_steps(builder, t, felt, variance)
+    _add_rates(builder, t, drift, links)
     builder.dense_information += drift.global_scale_sigma**-2
     builder.log_weight -= 2 * np.log(drift.global_scale_sigma)
     return builder.chain(pinned=2)
 
 
-def upright_chain(translation_m: Array, drift: VerticalDrift) -> Chain:
+def upright_chain(translation_m: Array, drift: VerticalDrift, links: Links = NO_LINKS) -> Chain:
     """z alone, states (pz, r): `p_{i+1} - p_i - r_i l_i = t_i`, l the path length of the step, r AR(1) in the path length."""
     length = np.maximum(np.linalg.norm(translation_m, axis=1), STEP_FLOOR_M)
     count = len(length) + 1
     builder = _Builder(count, 2, 0)
     builder.add_prior(0, (0.0, drift.slope_sigma**-2))
     here, there = np.zeros((count - 1, 2, 2)), np.zeros((count - 1, 2, 2))
-    memory = np.exp(-length / drift.correlation_m)
+    memory = _memory(length, drift.correlation_m, links)
+    length[links.row] = 0.0
     here[:, 0, 0], here[:, 0, 1], here[:, 1, 1] = -1.0, -length, -memory
     there[:, 0, 0] = there[:, 1, 1] = 1.0
     variance = np.column_stack([drift.rate_m_per_sqrt_m**2 * length, drift.slope_sigma**2 * (1 - memory**2)])
+    variance[links.row, 0] = links.sigma_m[:, 2] ** 2
     value = np.column_stack([translation_m[:, 2], np.zeros(count - 1)])
     builder.add_rows(here, there, None, value, 1.0 / variance)
     return builder.chain(pinned=1)
 
 
-def _add_steps(builder: "_Builder", t: Array, variance: Array) -> None:
+def _memory(length_m: Array, correlation_m: float, links: Links) -> Array:
+    """How much of a rate is left after each step (N-1,); nothing behind a link."""
+    memory = np.exp(-length_m / correlation_m)
+    memory[links.row] = 0.0
+    return np.asarray(memory)
+
+
+def _add_steps(builder: "_Builder", t: Array, felt: Array, variance: Array) -> None:
+    """Rows of the steps `t (N-1, 2)`, of which rates and scale act on `felt (N-1, 2)`; `variance (N-1, 2)`."""
     here, there = np.zeros((len(t), 2, 4)), np.zeros((len(t), 2, 4))
     here[:, 0, PX] = here[:, 1, PY] = -1.0
     there[:, 0, PX] = there[:, 1, PY] = 1.0
-    here[:, :, SCALE] = -t
-    here[:, 0, SIDEWAYS], here[:, 1, SIDEWAYS] = t[:, 1], -t[:, 0]
-    weight = np.repeat(1.0 / variance, 2).reshape(-1, 2)
-    builder.add_rows(here, there, -t[:, :, None], t, weight)
+    here[:, :, SCALE] = -felt
+    here[:, 0, SIDEWAYS], here[:, 1, SIDEWAYS] = felt[:, 1], -felt[:, 0]
+    builder.add_rows(here, there, -felt[:, :, None], t, 1.0 / variance)
 
 
-def _add_rates(builder: "_Builder", t: Array, drift: DriftModel) -> None:
+def _add_rates(builder: "_Builder", t: Array, drift: DriftModel, links: Links) -> None:
     length = np.maximum(np.linalg.norm(t, axis=1), STEP_FLOOR_M)
-    memory = np.exp(-length / drift.correlation_m)
+    memory = _memory(length, drift.correlation_m, links)
     here, there = np.zeros((len(t), 2, 4)), np.zeros((len(t), 2, 4))
     here[:, 0, SCALE] = here[:, 1, SIDEWAYS] = -memory
     there[:, 0, SCALE] = there[:, 1, SIDEWAYS] = 1.0
@@ -122,6 +151,13 @@ class _Builder:
         self.rhs[0, gone] = 0.0
         self.dense[0, gone] = 0.0
         return Chain(
-            self.diagonal, self.coupling, self.rhs, self.dense, self.dense_information, self.dense_rhs, self.square_sum,
-            self.log_weight, pinned,
+            self.diagonal,
+            self.coupling,
+            self.rhs,
+            self.dense,
+            self.dense_information,
+            self.dense_rhs,
+            self.square_sum,
+            self.log_weight,
+            pinned,
         )

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -105,6 +106,9 @@ def write_root_files(results: Results, scan_path: Path, work: Path, config: Conf
         for name, trajectory in _files_of(paths).items():
             with new_file(work / name) as making:
                 write_tum(trajectory, making)
+        for number, trajectory in enumerate(_of_each_scan(results.scan, paths.final), 1):
+            with new_file(work / f"trajectory-scan-{number}.tum") as making:
+                write_tum(trajectory, making)
         with new_file(work / SUMMARY_NAME) as making:
             write_json(making, asdict(table))
     return table
@@ -133,6 +137,14 @@ def _returns_to_start(results: Results, scan_path: Path, config: Config) -> bool
     truth = None if config.ingest.trim else truth_returns_to_start(scan_path)  # of the whole walk
     told = (config.ingest.returns_to_start, truth, results.scan.recording.returns_to_start)
     return next((answer for answer in told if answer is not None), False)
+
+
+def _of_each_scan(scan: IngestedScan, path: Trajectory) -> list[Trajectory]:
+    """The trajectory of each of several scans; none of a single one."""
+    rows = [*(part.first_row for part in scan.parts), len(path.stamp_ns)]
+    return [
+        Trajectory(path.stamp_ns[low:high], path.position_m[low:high], path.world_from_sensor[low:high]) for low, high in pairwise(rows)
+    ]
 
 
 def _files_of(paths: Trajectories) -> dict[str, Trajectory]:

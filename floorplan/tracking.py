@@ -14,6 +14,7 @@ from floorplan.config import TrackingConfig
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import NO_TRACK, SegmentedScan, Segments, Tracks
+from floorplan.odometry_steps import keyframe_steps
 
 _MEMORY = 0.7  # weight of the past in a track's running offset: about three sightings
 _GATE_SIGMAS = 3.0
@@ -71,12 +72,8 @@ class _Moment:
 
 
 def dead_reckoning(scan: IngestedScan, world_from_sensor: Array) -> Array:
-    """Positions (F, 3) of the keyframes from odometry steps turned into the axis-aligned world, the first at the origin."""
-    recording, rows = scan.recording, scan.keyframe
-    step_odom = np.diff(recording.position_m[rows], axis=0)
-    world_from_odom = world_from_sensor @ np.swapaxes(recording.odom_from_sensor[rows], 1, 2)
-    step = np.einsum("nij,nj->ni", world_from_odom[:-1], step_odom)
-    return np.concatenate((np.zeros((1, 3)), np.cumsum(step, axis=0)))
+    """Positions (F, 3) of the keyframes from their steps in the axis-aligned world, the first at the origin."""
+    return np.concatenate((np.zeros((1, 3)), np.cumsum(keyframe_steps(scan, world_from_sensor), axis=0)))
 
 
 def track(scan: IngestedScan, segmented: SegmentedScan, config: TrackingConfig) -> Tracks:
@@ -87,7 +84,10 @@ def track(scan: IngestedScan, segmented: SegmentedScan, config: TrackingConfig) 
     walked = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(position, axis=0), axis=1))))
     found = _Found(np.full(len(segments), NO_TRACK, np.int32))
     start = np.searchsorted(segments.frame, np.arange(len(position) + 1))
+    begins = {part.first_keyframe for part in scan.linked}
     for k in range(len(position)):
+        if k in begins:  # of another scan: what is the same there is the merge's decision
+            found.live = []
         moment = _Moment(k, position[k], float(stamp[k]), float(walked[k]))
         _follow(found, segments, range(start[k], start[k + 1]), moment, config)
     return _tracks(found, segments, position, config)

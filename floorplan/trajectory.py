@@ -76,12 +76,19 @@ def path_length_m(position_m: Array) -> float:
 
 def _spans(scan: IngestedScan) -> _Spans:
     frame = np.arange(len(scan.recording))
-    last = len(scan.keyframe) - 1
-    before = np.clip(np.searchsorted(scan.keyframe, frame, side="right") - 1, 0, last)
-    after = np.where(frame > scan.keyframe[before], np.minimum(before + 1, last), before)
+    rows, keyframes = _of_scan(scan)
+    before = np.clip(np.searchsorted(scan.keyframe, frame, side="right") - 1, keyframes[:-1][rows], keyframes[1:][rows] - 1)
+    after = np.where(frame > scan.keyframe[before], np.minimum(before + 1, keyframes[1:][rows] - 1), before)
     path = _path(scan.recording)
     walked, whole = path - path[scan.keyframe[before]], path[scan.keyframe[after]] - path[scan.keyframe[before]]
     return _Spans(before, after, np.divide(walked, whole, out=np.zeros(len(frame)), where=whole > 0))
+
+
+def _of_scan(scan: IngestedScan) -> tuple[Array, Array]:
+    """Which of the joined scans each frame (N,) belongs to, and the first keyframe of each (B,), with their number at the end."""
+    first_row = [part.first_row for part in scan.linked]
+    first_keyframe = [0, *(part.first_keyframe for part in scan.linked), len(scan.keyframe)]
+    return np.searchsorted(first_row, np.arange(len(scan.recording)), side="right"), np.array(first_keyframe)
 
 
 def _path(recording: Recording) -> Array:

@@ -8,7 +8,7 @@ from floorplan.chain import ROUNDING, Reduced, Rows, back_substitute, eliminate
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import ScanNoise
-from floorplan.odometry_chain import joint_chain, upright_chain
+from floorplan.odometry_chain import Links, joint_chain, upright_chain
 
 LEVEL_AXES, UPRIGHT_AXES = (0, 1), (2,)
 
@@ -30,7 +30,10 @@ def build_system(graph: LayoutGraph, noise: ScanNoise, axes: tuple[int, ...], fo
     mine = np.nonzero((place[graph.track] >= 0) & np.isfinite(noise.sigma_m))[0]
     component = graph.axis[graph.track[mine]] - axes[0]
     rows = Rows(graph.frame[mine], component, place[graph.track[mine]], graph.distance_m[mine], noise.sigma_m[mine] ** -2)
-    chain = joint_chain(graph.translation_m, noise.drift) if axes == LEVEL_AXES else upright_chain(graph.translation_m, noise.vertical)
+    links = Links(graph.link, graph.link_sigma_m)
+    level = axes == LEVEL_AXES
+    steps = graph.translation_m
+    chain = joint_chain(steps, noise.drift, links) if level else upright_chain(steps, noise.vertical, links)
     return AxisSystem(axes, tracks, eliminate(chain, rows, len(tracks), forgotten))
 
 

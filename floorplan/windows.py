@@ -1,6 +1,7 @@
 """Cuts a layout graph into stretches of frames, each a small layout graph of its own: memory stays flat on long scans."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,17 +19,19 @@ class Window:
 
 
 def windows(graph: LayoutGraph, frames: int) -> list[Window]:
-    """Stretches of at most `frames` frames, near equal; every row belongs to exactly one."""
-    count = len(graph.stamp_s)
-    pieces = max(1, -(-count // frames))
-    edges = np.linspace(0, count, pieces + 1).round().astype(int)
+    """Stretches of at most `frames` frames of one scan, near equal; every row belongs to exactly one."""
+    scans = np.concatenate(([0], graph.link + 1, [len(graph.stamp_s)]))
+    edges = np.concatenate([[0], *(_edges(first, last, frames)[1:] for first, last in pairwise(scans.tolist()))])
     order = np.argsort(graph.frame, kind="stable")
     cut = np.searchsorted(graph.frame[order], edges)
     return [
-        _window(graph, order[a:b], low, high)
-        for a, b, low, high in zip(cut[:-1], cut[1:], edges[:-1], edges[1:], strict=True)
-        if b > a
+        _window(graph, order[a:b], low, high) for a, b, low, high in zip(cut[:-1], cut[1:], edges[:-1], edges[1:], strict=True) if b > a
     ]
+
+
+def _edges(first: int, last: int, frames: int) -> Array:
+    pieces = max(1, -(-(last - first) // frames))
+    return np.linspace(first, last, pieces + 1).round().astype(int)
 
 
 def _window(graph: LayoutGraph, rows: Array, low: int, high: int) -> Window:

@@ -8,7 +8,7 @@ import pytest
 from floorplan.chain import Chain, Rows, back_substitute, eliminate, log_marginal_likelihood, solve_planes, state_covariance
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel
-from floorplan.odometry_chain import joint_chain, plain_chain, step_variance_m2
+from floorplan.odometry_chain import NO_LINKS, Links, joint_chain, plain_chain, step_variance_m2
 
 DRIFT = DriftModel(rate_m_per_sqrt_m=0.02, scale_sigma=0.03, sideways_sigma=0.02)
 FRAMES, PLANES = 60, 9
@@ -32,7 +32,7 @@ def random_rows(rng: np.random.Generator, components: int) -> Rows:
     return Rows(frame, axis[column], column, rng.normal(0, 2, len(frame)), weight)
 
 
-def dense_joint(t: Array, drift: DriftModel, rows: Rows) -> Dense:
+def dense_joint(t: Array, drift: DriftModel, rows: Rows, links: Links = NO_LINKS) -> Dense:
     states = 4 * FRAMES
     A, b = [], []
 
@@ -47,6 +47,13 @@ def dense_joint(t: Array, drift: DriftModel, rows: Rows) -> Dense:
     variance = step_variance_m2(t, drift)
     for i in range(FRAMES - 1):
         k, (x, y) = 4 * i, t[i]
+        if i in links.row:  # a rough pose: no scale, no memory of the rates
+            sigma = links.sigma_m[list(links.row).index(i)]
+            add({k: -1, k + 4: 1}, x, sigma[0] ** -2)
+            add({k + 1: -1, k + 5: 1}, y, sigma[1] ** -2)
+            add({k + 6: 1}, 0, drift.scale_sigma**-2)
+            add({k + 7: 1}, 0, drift.sideways_sigma**-2)
+            continue
         add({k: -1, k + 4: 1, k + 2: -x, k + 3: y, g: -x}, x, 1 / variance[i])
         add({k + 1: -1, k + 5: 1, k + 2: -y, k + 3: -x, g: -y}, y, 1 / variance[i])
         memory = np.exp(-max(np.hypot(x, y), 0.01) / drift.correlation_m)
@@ -60,14 +67,17 @@ def dense_joint(t: Array, drift: DriftModel, rows: Rows) -> Dense:
     return Dense(np.delete(np.array(A), [0, 1], axis=1), np.array(b))
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_joint_chain_gives_the_dense_least_squares_solution_and_covariance(seed: int) -> None:
+LINKED = Links(np.array([20, 44]), np.array([[0.1, 0.2, 0.05], [0.3, 0.1, 0.05]]))
+
+
+@pytest.mark.parametrize(("seed", "links"), [(1, NO_LINKS), (2, NO_LINKS), (3, NO_LINKS), (4, LINKED)])
+def test_the_joint_chain_gives_the_dense_least_squares_solution_and_covariance(seed: int, links: Links) -> None:
     rng = np.random.default_rng(seed)
     t = rng.normal(0, 0.2, (FRAMES - 1, 2))
     rows = random_rows(rng, 2)
-    reduced = eliminate(joint_chain(t, DRIFT), rows, PLANES)
+    reduced = eliminate(joint_chain(t, DRIFT, links), rows, PLANES)
     columns, covariance = solve_planes(reduced)
-    dense = dense_joint(t, DRIFT, rows)
+    dense = dense_joint(t, DRIFT, rows, links)
     want = np.linalg.lstsq(dense.A, dense.b, rcond=None)[0]
     got = np.concatenate([back_substitute(reduced, columns).ravel()[2:], columns])
     np.testing.assert_allclose(got, want, atol=1e-9)

@@ -8,10 +8,11 @@ import pytest
 from floorplan.errors import InputError
 from floorplan.geometry import rotation_about_z
 from floorplan.graph_file import load_graph, save_graph
-from floorplan.layout_graph import layout_graph, odometry_rows, with_signs_from_facing
+from floorplan.layout_graph import layout_graph, with_signs_from_facing
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.scan import GravitySource, IngestedScan, NoiseModel, Recording, Sensor, SensorKind
 from floorplan.model.segment import EvidencePoints, FreePatches, ManhattanFrames, SegmentedScan, Segments, Tracks
+from floorplan.odometry_steps import odometry_rows
 from tests.graphs import graph_along_x, loop_graph
 
 

@@ -1,6 +1,7 @@
 """`floorplan build`."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +19,7 @@ NAMED_DIMENSIONS = 12  # as many are listed; the rest are in the drawing
 
 
 def build(
-    scan: o.Scan,
+    scans: o.Scans,
     dxf: o.Dxf = None,
     svg: o.Svg = None,
     pdf: o.Pdf = None,
@@ -34,6 +35,7 @@ def build(
     until_stage: Annotated[str | None, typer.Option("--until", metavar="STAGE", help="Stop after this stage.")] = None,
     laser: Annotated[Path | None, typer.Option("--laser", metavar="F.csv", help="Distances measured by hand: calibrates the plan.")] = None,
     edits: Annotated[Path | None, typer.Option("--edits", metavar="F.toml", help="Corrections by hand.")] = None,
+    start: Annotated[str | None, typer.Option("--start", metavar="match|common|F.csv", help="How several scans are laid together.")] = None,
     format: o.Format = None,
     topics: o.Topics = None,
     trim: o.Trim = None,
@@ -44,7 +46,10 @@ def build(
     quiet: o.Quiet = False,
     verbose: o.Verbose = False,
 ) -> None:
-    """Scan to plan: the whole job. Finished stages are kept, so giving the command again is cheap."""
+    """Scan to plan: the whole job; several scans of one floor become one plan.
+
+    Finished stages are kept, so giving the command again is cheap.
+    """
     from floorplan.work.stages import stage_named
 
     reporter = ConsoleReporter(quiet, verbose)
@@ -52,15 +57,22 @@ def build(
     effective = o.effective_config(config, [*(settings or []), *short], units=units, scale=scale, sheet=sheet)
     redo_from = stage_named(from_stage) if from_stage else None
     until = stage_named(until_stage) if until_stage else None
-    o.check_scan(scan)
+    for scan in scans:
+        o.check_scan(scan)
     from floorplan.build import Job
     from floorplan.build import build as run
-    from floorplan.corrections import with_edits, with_laser
+    from floorplan.corrections import with_edits, with_laser, with_start
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
-    effective = with_edits(with_laser(effective, laser), edits)
-    job = Job(scan, work or o.default_work(scan), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
-    results = run(job, reporter)
+    effective = with_start(with_edits(with_laser(effective, laser), edits), start)
+    job = Job(scans[0], work or o.default_work(*scans), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
+    if len(scans) == 1:
+        results = run(job, reporter)
+    else:
+        from floorplan.build_several import build_several, title_of
+
+        job = replace(job, scan=Path(title_of(scans)))
+        results = build_several(job, scans, reporter)
     if results is not None and not quiet:
         _print_numbers(job, results)
 

@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from floorplan.drawings import Drawing
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="The recording: a folder, or a laser log.", show_default=False)]
+Scans = Annotated[
+    list[Path],
+    typer.Argument(metavar="SCAN...", help="The recording, a folder or a file; several of one floor are joined.", show_default=False),
+]
 Work = Annotated[Path, typer.Argument(metavar="WORK", help="The work folder of a build.", show_default=False)]
 Format = Annotated[str | None, typer.Option("--format", metavar="NAME", help="Format of the recording (default: recognised).")]
 ConfigFile = Annotated[Path | None, typer.Option("--config", metavar="F.toml", help="Settings file; see 'floorplan config'.")]
@@ -85,10 +89,10 @@ def asked_drawings(csv: Path | None, **files: Path | None) -> tuple["Drawing", .
     return drawings
 
 
-def default_work(scan: Path) -> Path:
-    """The scan's name with `.floorplan`, beside it."""
+def default_work(scan: Path, *more: Path) -> Path:
+    """The scan's name with `.floorplan`, beside it; of several, all names, beside the first."""
     whole = scan.resolve()
-    return whole.with_name(whole.name + ".floorplan")
+    return whole.with_name("+".join([whole.name, *(path.resolve().name for path in more)]) + ".floorplan")
 
 
 def check_scan(scan: Path) -> None:

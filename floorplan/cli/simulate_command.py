@@ -23,10 +23,12 @@ def simulate(
     storeys: Annotated[int, typer.Option("--storeys", min=1, max=9, metavar="N", help="Floors above each other, joined by a stair.")] = 1,
     noise_seed: Annotated[int | None, typer.Option("--noise-seed", metavar="N", help="Another walk in the same building.")] = None,
     works: Annotated[bool, typer.Option("--works", help="The building after works: a wall moved, a partition built.")] = False,
+    part: Annotated[str, typer.Option("--walk-part", metavar="A:B", help="Record only this part; 1:0.4 goes back to front.")] = "0:1",
     quiet: o.Quiet = False,
 ) -> None:
     """An exact building, a walked scan of it, and its truth."""
     from floorplan.simulate import simulate as run
+    from floorplan.simulate.walk_part import walk_part
 
     run(
         out,
@@ -42,6 +44,7 @@ def simulate(
         storeys=storeys,
         noise_seed=noise_seed,
         works=works,
+        walk_part=walk_part(part),
         progress=ConsoleReporter(quiet).progress("simulate"),
     )
     echo(str(out))

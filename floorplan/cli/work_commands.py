@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,26 +11,51 @@ from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
 from floorplan.config import Config
 from floorplan.errors import UsageError
 
+if TYPE_CHECKING:
+    from floorplan.work.status import StageStatus
+
 
 def status(work: o.Work, config: o.ConfigFile = None, settings: o.Settings = None, as_json: o.AsJson = False) -> None:
     """The stages: kept, stale (and because of what), missing; seconds and sizes.
 
-    Without --config and --set, the settings of the last build hold.
+    Without --config and --set, the settings of the last build hold. Of several scans joined, those of each follow.
     """
+    from floorplan.work.folder import part_folders
+
+    folders = (work, *part_folders(work))
+    if as_json:
+        states = [_status_tree(folder, config, settings) for folder in folders]
+        echo_json(states[0] | ({"parts": states[1:]} if len(states) > 1 else {}))
+        return
+    for folder in folders:
+        _print_status(folder, config, settings)
+
+
+def _status_tree(work: Path, config: Path | None, settings: list[str] | None) -> dict[str, Any]:
+    from floorplan.work.folder import read_owner
+
+    owner = read_owner(work)
+    stages = [asdict(state) for state in _states(work, config, settings)]
+    return {"scan": owner.scan, **({"scans": owner.scans} if owner.scans else {}), "format": owner.format, "stages": stages}
+
+
+def _print_status(work: Path, config: Path | None, settings: list[str] | None) -> None:
+    from floorplan.work.folder import read_owner
+
+    owner = read_owner(work)
+    echo(f"{owner.scan} ({owner.format}{', joined' if owner.scans else ''})")
+    echo_table(
+        (s.folder, s.state, "" if s.seconds is None else f"{s.seconds:.1f} s", f"{s.size_bytes / 1e6:.1f} MB", "; ".join(s.reasons))
+        for s in _states(work, config, settings)
+    )
+
+
+def _states(work: Path, config: Path | None, settings: list[str] | None) -> "tuple[StageStatus, ...]":
     from floorplan.work.folder import read_owner
     from floorplan.work.status import current_owner, stages_status
 
-    made_for = read_owner(work)
     effective = o.effective_config(config or work / "config.toml", settings)
-    states = stages_status(work, effective, current_owner(made_for, work))
-    if as_json:
-        echo_json({"scan": made_for.scan, "format": made_for.format, "stages": [asdict(state) for state in states]})
-        return
-    echo(f"{made_for.scan} ({made_for.format})")
-    echo_table(
-        (s.folder, s.state, "" if s.seconds is None else f"{s.seconds:.1f} s", f"{s.size_bytes / 1e6:.1f} MB", "; ".join(s.reasons))
-        for s in states
-    )
+    return stages_status(work, effective, current_owner(read_owner(work), work))
 
 
 def export(

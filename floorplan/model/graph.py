@@ -1,6 +1,6 @@
 """The back end's values: the layout graph and what each step of the method makes of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -21,6 +21,8 @@ class LayoutGraph:
     `sigma_m (K,)` or None. `heading_sigma_rad` how well the yaw that turned the odometry rows is known.
     `range_accuracy` of the sensor, None where nothing is known of it.
     Stamps are relative to nothing in particular: only their order and differences count.
+    Several scans make one graph: `link (B,)` the odometry rows that lead from the last frame of one scan to the first of the
+    next, no odometry but a rough pose known to `link_sigma_m (B, 3)`.
     """
 
     stamp_s: Array
@@ -34,6 +36,8 @@ class LayoutGraph:
     sigma_m: Array | None = None
     heading_sigma_rad: float = 0.0
     range_accuracy: RangeAccuracy | None = None
+    link: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    link_sigma_m: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         sizes = freeze(
@@ -48,6 +52,8 @@ class LayoutGraph:
                 "facing": (np.int64, ("M",)),
                 "extent_m": (np.float64, ("M", 3, 2)),
                 "sigma_m": (np.float64, ("K",)),
+                "link": (np.int64, ("B",)),
+                "link_sigma_m": (np.float64, ("B", 3)),
             },
         )
         if sizes["T"] != max(sizes["N"] - 1, 0):

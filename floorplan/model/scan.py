@@ -166,17 +166,44 @@ class Trajectory:
 
 
 @dataclass(frozen=True)
+class ScanPart:
+    """One of several scans recorded in one building and joined: where it begins, and how it was laid against those before.
+
+    `first_row` of the joined recording, `first_keyframe` of its keyframes; `quarters` turned its own axis-aligned world into the
+    first scan's. `link_m` is the step from the last keyframe before to its first one (axis-aligned world), known to `link_sigma_m`;
+    both are zero for the first scan. `start` says in words what the link was taken from.
+    """
+
+    name: str
+    scan: str
+    format: str
+    first_row: int
+    first_keyframe: int
+    quarters: int
+    link_m: tuple[float, float, float]
+    link_sigma_m: tuple[float, float, float]
+    start: str
+
+
+@dataclass(frozen=True)
 class IngestedScan:
     """Stage `1-ingest`: the recording with its gravity known, and the frames that will be looked at.
 
     `keyframe (F,)` are rows of `recording`, increasing; chosen by change of view. Everything called
     "frame" in later stages (`Segments.frame`, `LayoutGraph.frame`) is an index into `keyframe`.
-    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones.
+    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones. `parts` are the scans it
+    was joined from, in order, whose stamps may overlap; empty for a scan that is one recording.
     """
 
     recording: Recording
     keyframe: Array
     recorded_odometry: Trajectory | None = None
+    parts: tuple[ScanPart, ...] = ()
+
+    @property
+    def linked(self) -> tuple[ScanPart, ...]:
+        """The parts that a link ties to the one before: all but the first."""
+        return self.parts[1:]
 
     def __post_init__(self) -> None:
         freeze(self, {"keyframe": (np.int64, ("F",))})

@@ -42,15 +42,27 @@ def _cell_and_rest(index: Array, size: int) -> tuple[Array, Array, Array]:
 
 def free_space(world: PlanWorld) -> FreeSpace:
     """The grid of all rays, from the sensor to just before what they hit."""
+    corner, crossed = _crossed_cells(world)
+    integral = np.zeros((crossed.shape[0] + 1, crossed.shape[1] + 1))
+    integral[1:, 1:] = crossed.cumsum(axis=0).cumsum(axis=1)
+    return FreeSpace(corner, integral)
+
+
+def free_cells_xy_m(world: PlanWorld) -> Array:
+    """Centres (C, 2) of the cells that rays crossed."""
+    corner, crossed = _crossed_cells(world)
+    return np.asarray((np.argwhere(crossed) + 0.5) * CELL_M + corner)
+
+
+def _crossed_cells(world: PlanWorld) -> tuple[Array, Array]:
+    """Lower left corner (2,) of the grid, and which of its cells were crossed by MIN_RAYS."""
     from floorplan.plan.ray_kernels import mark_free
 
     xy = np.concatenate((world.point_m[:, :2], world.trajectory.position_m[:, :2]))
     if not len(xy):
-        return FreeSpace(np.zeros(2), np.zeros((2, 2)))
+        return np.zeros(2), np.zeros((1, 1), dtype=bool)
     corner = np.floor(xy.min(axis=0) / CELL_M) * CELL_M - CELL_M
     size = np.ceil((xy.max(axis=0) - corner) / CELL_M).astype(int) + 2
     crossed = np.zeros(tuple(size), dtype=np.int32)
     mark_free(world.trajectory.position_m, world.point_m, world.point_frame, tolerance_m(world), corner, CELL_M, crossed)
-    integral = np.zeros((size[0] + 1, size[1] + 1))
-    integral[1:, 1:] = (crossed >= MIN_RAYS).cumsum(axis=0).cumsum(axis=1)
-    return FreeSpace(corner, integral)
+    return corner, crossed >= MIN_RAYS

@@ -16,6 +16,7 @@ from floorplan.simulate.raycast import RayCaster
 from floorplan.simulate.scene import Scene, draw_scene
 from floorplan.simulate.storeys import storey_surfaces
 from floorplan.simulate.truth import truth_of
+from floorplan.simulate.walk_part import WHOLE_WALK, WalkPart
 
 Progress = Callable[[int, int], None]
 
@@ -39,6 +40,7 @@ def simulate(
     storeys: int = 1,
     noise_seed: int | None = None,
     works: bool = False,
+    walk_part: WalkPart = WHOLE_WALK,
     progress: Progress = _silent,
 ) -> None:
     """Write a scan of a simulated building to the folder `out`, with its `truth.json`.
@@ -47,6 +49,7 @@ def simulate(
     `rate_hz` and `image_scale` override the camera's; `sensor` "lidar16" a spinning LiDAR instead of it;
     `storeys` as many floors of one shell, walked one after the other.
     `noise_seed` walks and measures the building of `seed` another time; `works` moves a wall in it and builds a partition.
+    `walk_part` is recorded alone, as a scan of its own, with its own odometry: two parts are two scans of one building.
     Raises `UsageError` for an unknown preset or format, or an `out` that is not empty.
     """
     if out.exists() and any(out.iterdir()):
@@ -58,8 +61,8 @@ def simulate(
         preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz, storeys=storeys, walk_seed=noise_seed, works=works
     )
     noise = seed if noise_seed is None else noise_seed
-    scene = chosen.scene(replace(drawn, seed=noise))
-    odometry = _odometry(scene, noise, hard, odometry_error)
+    scene = chosen.scene(replace(drawn, seed=noise, walk=walk_part.of(drawn.walk)))
+    odometry = _odometry(scene, walk_part.seeds(noise, 79), hard, odometry_error)
     parts = storey_surfaces(scene.storeys)
     surfaces = tuple(surface for part in parts for surface in part)
     instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
@@ -74,8 +77,8 @@ def simulate(
     (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
 
 
-def _odometry(scene: Scene, seed: int, hard: bool, error: float | None) -> Odometry:
-    rng = np.random.default_rng([seed, 79])
+def _odometry(scene: Scene, seeds: list[int], hard: bool, error: float | None) -> Odometry:
+    rng = np.random.default_rng(seeds)
     low, high = hard_facts.ODOMETRY_ERROR
     drawn = float(rng.uniform(low, high))
     if error is None and hard:

@@ -4,7 +4,7 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,15 +18,20 @@ from floorplan.work.values import load_value, save_value, write_json
 
 T = TypeVar("T")
 OWNER_NAME = "work.json"
+PART_PREFIX = "scan-"  # and a number from 1: the work folder of one scan of several, inside theirs
 
 
 @dataclass(frozen=True)
 class Owner:
-    """The scan a work folder belongs to: where it lay, the format it was read as, its fingerprint."""
+    """The scan a work folder belongs to: where it lay, the format it was read as, its fingerprint.
+
+    Of several scans joined, `scan` is their names and `scans` where they lay; each has a work folder of its own inside.
+    """
 
     scan: str
     format: str
     fingerprint: str
+    scans: tuple[str, ...] = ()
 
 
 class UntilReached(Exception):  # noqa: N818  (not an error: the job was asked to stop here)
@@ -109,7 +114,18 @@ def read_owner(work: Path) -> Owner:
     path = work / OWNER_NAME
     if not path.exists():
         raise WorkFolderError(f"{work} is not a work folder (no {OWNER_NAME} in it); 'floorplan build SCAN' makes one")
-    return Owner(**json.loads(path.read_text("utf-8")))
+    tree = json.loads(path.read_text("utf-8"))
+    return Owner(**(tree | {"scans": tuple(tree.get("scans", ()))}))
+
+
+def is_part(path: Path) -> bool:
+    """Whether `path` is the work folder of one scan of several, inside theirs."""
+    return path.name.startswith(PART_PREFIX) and (path / OWNER_NAME).exists()
+
+
+def part_folders(work: Path) -> tuple[Path, ...]:
+    """The work folders of the single scans that `work` joins, in order; none where it holds one recording."""
+    return tuple(work / f"{PART_PREFIX}{number}" for number in range(1, len(read_owner(work).scans) + 1))
 
 
 def claim(work: Path, owner: Owner) -> None:
@@ -118,9 +134,9 @@ def claim(work: Path, owner: Owner) -> None:
         work.mkdir(parents=True, exist_ok=True)
         if (work / OWNER_NAME).exists():
             known = read_owner(work)
-            if known.fingerprint != owner.fingerprint and known.scan != owner.scan:
+            if known.fingerprint != owner.fingerprint and (known.scan, known.scans) != (owner.scan, owner.scans):
                 raise WorkFolderError(f"{work} was made from another scan ({known.scan}); choose another folder with --work, or delete it")
-        elif any(path.name != ".lock" for path in work.iterdir()):
+        elif any(path.name != ".lock" and not is_part(path) for path in work.iterdir()):
             raise WorkFolderError(f"{work} exists and is not a work folder; choose an empty or new one with --work")
         with new_file(work / OWNER_NAME) as making:
-            write_json(making, {"scan": owner.scan, "format": owner.format, "fingerprint": owner.fingerprint})
+            write_json(making, asdict(owner))

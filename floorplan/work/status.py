@@ -32,6 +32,8 @@ class StageStatus:
 def current_owner(made_for: Owner, work: Path) -> Owner:
     """The same owner with the fingerprint its scan has now; unchanged where the scan is no longer there."""
     scan = Path(made_for.scan)
+    if made_for.scans:
+        return made_for  # of several scans, whose own folders tell what changed
     return replace(made_for, fingerprint=scan_fingerprint(scan, work)) if scan.exists() else made_for
 
 

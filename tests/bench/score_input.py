@@ -54,7 +54,7 @@ def load_case(scan: Path, work: Path) -> Case:
     nearest = np.clip(np.searchsorted(true_stamps, stamps - MATCH_NS), 0, len(true_stamps) - 1)
     same = np.abs(true_stamps[nearest] - stamps) <= MATCH_NS
     path_true = np.array(truth["trajectory"]["pose"])[nearest[same], :3]
-    placement = _best_placement(positions[same], path_true)
+    placement = best_placement(positions[same], path_true)
     z = positions[same][:, 2] + placement.shift_m[2]
     return Case(truth, plan, placement, np.column_stack((placement.xy(positions[same][:, :2]), z)), path_true)
 
@@ -66,7 +66,8 @@ def read_tum(path: Path) -> tuple[Array, Array]:
     return stamps, np.array([[float(v) for v in row[1:4]] for row in rows])
 
 
-def _best_placement(positions: Array, path_true: Array) -> Placement:
+def best_placement(positions: Array, path_true: Array) -> Placement:
+    """The quarter turn and mean shift that take positions (N, 3) nearest to the true ones."""
     found = []
     for quarters in range(4):
         c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][quarters]
