@@ -19,6 +19,7 @@ from floorplan.readers import open_scan
 from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
 from floorplan.several.shared import shared_planes, tell_shared
+from floorplan.site import on_site
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
 from floorplan.stage_functions import ingest
 from floorplan.trim import trimmed
@@ -70,7 +71,7 @@ def finish(job: Job, work: WorkFolder, scan: IngestedScan, segmented: SegmentedS
     solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
     tell_shared(reporter, shared_planes(scan, layout.graph, solution))
     plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
-    results = Results(scan, segmented, layout, merged, solution, corrected.named(plan))
+    results = Results(scan, segmented, layout, merged, solution, on_site(corrected.named(plan), config.site))
     table = write_root_files(results, job.scan, work.path, config)
     write_drawings(results, table, job.scan, job.drawings, config, reporter)
     return results

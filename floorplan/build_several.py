@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from floorplan.build import Job, build, finish, opened_work
-from floorplan.config import Config, CorrectionsConfig, EditsConfig
+from floorplan.config import Config, CorrectionsConfig, EditsConfig, SiteConfig
 from floorplan.errors import InputError, UsageError
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
@@ -64,7 +64,7 @@ def title_of(scans: Sequence[Path]) -> str:
 
 def _single_job(job: Job, number: int, path: Path) -> Job:
     """The build of one scan on its own; corrections by hand belong to the joint plan."""
-    config = replace(job.config, corrections=CorrectionsConfig(), edits=EditsConfig())
+    config = replace(job.config, corrections=CorrectionsConfig(), edits=EditsConfig(), site=SiteConfig())
     redo = job.redo_from if job.redo_from in (INGEST, SEGMENTS) else None
     return Job(path, job.work / f"scan-{number}", config, job.format, redo, None, (), job.jobs)
 

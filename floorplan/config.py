@@ -159,6 +159,15 @@ class DrawingConfig:
 
 
 @dataclass(frozen=True)
+class SiteConfig:
+    """Where the plan lies on the site grid, for every export."""
+
+    control_file: str = ""  # points known in both systems, as by --control; empty: none
+    control_sha256: str = ""  # of that file, filled in by the program
+    north_deg: float | None = None  # grid north, degrees counter-clockwise from the plan's +y, as by --north
+
+
+@dataclass(frozen=True)
 class ProjectConfig:
     """What the title block says."""
 
@@ -187,4 +196,5 @@ class Config:
     edits: EditsConfig = field(default_factory=EditsConfig)
     plan: PlanConfig = field(default_factory=PlanConfig)
     drawing: DrawingConfig = field(default_factory=DrawingConfig)
+    site: SiteConfig = field(default_factory=SiteConfig)
     project: ProjectConfig = field(default_factory=ProjectConfig)

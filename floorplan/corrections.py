@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from floorplan.config import Config
+from floorplan.config import Config, SiteConfig
 from floorplan.edits.file import Edits, read_edits
 from floorplan.edits.merges import edit_merge, merge_notes
 from floorplan.edits.plans import edit_plan, furniture_notes, furniture_tracks, without_tracks
@@ -21,6 +21,7 @@ from floorplan.model.ties import Calibration
 from floorplan.plan_names import NAME, Book, book_text, load_book, named
 from floorplan.reporting import Reporter, SilentReporter
 from floorplan.several.start import COMMON, MATCH, read_point_pairs
+from floorplan.site import read_control
 from floorplan.stage_functions import make_plan, merge, resolve
 from floorplan.trajectory import keyframe_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
@@ -149,6 +150,13 @@ def with_start(config: Config, start: str | None) -> Config:
         return replace(config, several=replace(config.several, start=word, start_sha256=""))
     path, digest = _checked_file(Path(word), "", read_point_pairs)
     return replace(config, several=replace(config.several, start=path, start_sha256=digest))
+
+
+def with_site(config: Config, control: Path | None, north_deg: float | None) -> Config:
+    """The configuration that places the plan on the site grid. Raises InputError when the control points cannot be read."""
+    path, digest = _checked_file(control, config.site.control_file, read_control)
+    north = config.site.north_deg if north_deg is None else north_deg
+    return replace(config, site=SiteConfig(path, digest, north))
 
 
 def _checked_file(given: Path | None, configured: str, read: Callable[[Path], object]) -> tuple[str, str]:

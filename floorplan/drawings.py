@@ -1,12 +1,12 @@
 """The drawings a build was asked for: which writer, which file, and what the sheet says about the scan."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from floorplan import __version__
-from floorplan.config import Config
+from floorplan.config import Config, ProjectConfig
 from floorplan.errors import UsageError
 from floorplan.model.plan import Plan
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
@@ -57,12 +57,19 @@ def write_drawings(
         return ()
     from floorplan import writers  # ezdxf and matplotlib come with it
 
-    job = writers.Job(results.plan, config.drawing, config.project, sheet_facts(results, table, scan))
+    job = writers.Job(results.plan, config.drawing, _project(config, results.plan), sheet_facts(results, table, scan))
     for drawing in drawings:
         with clear_disk_errors(drawing.path):
             for path in writers.write_job(drawing.format, job, drawing.path):
                 reporter.message(f"wrote {path}")
     return files_of(drawings, results.plan)
+
+
+def _project(config: Config, plan: Plan) -> ProjectConfig:
+    """The title block's words; north as the site grid has it, unless it was given for the sheet itself."""
+    if plan.site is None or config.project.north_deg is not None:
+        return config.project
+    return replace(config.project, north_deg=plan.site.north_deg)
 
 
 def files_of(drawings: tuple[Drawing, ...], plan: Plan) -> tuple[Path, ...]:

@@ -1,5 +1,6 @@
 """Drawings and tables again from the finished stages of a work folder."""
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +17,7 @@ from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
 from floorplan.reporting import Reporter
 from floorplan.results import Results, summary, trajectories
+from floorplan.site import on_site
 from floorplan.work.disk import clear_disk_errors, new_file
 from floorplan.work.folder import read_owner
 from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
@@ -25,16 +27,25 @@ from floorplan.work.values import load_value
 T = TypeVar("T")
 
 
-def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter) -> tuple[Path, ...]:
-    """Write `drawings` from the stages of `work` as they are; gives the files. Raises `WorkFolderError` when one is missing."""
+@dataclass(frozen=True)
+class Exported:
+    """The files written, and the plan that is in them."""
+
+    files: tuple[Path, ...]
+    plan: Plan
+
+
+def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter) -> Exported:
+    """Write `drawings` from the stages of `work` as they are. Raises `WorkFolderError` when one is missing."""
     owner = read_owner(work)
     results = read_results(work)
+    results = replace(results, plan=on_site(results.plan, config.site))
     for state in stages_status(work, config, current_owner(owner, work)):
         if state.state is StageState.STALE:
             reporter.message(f"note: {state.folder} is stale ({'; '.join(state.reasons)}); 'floorplan build' would make it again")
     scan = Path(owner.scan)
     table = summary(results, trajectories(results), scan, work, config)
-    return write_drawings(results, table, scan, drawings, config, reporter)
+    return Exported(write_drawings(results, table, scan, drawings, config, reporter), results.plan)
 
 
 def read_results(work: Path) -> Results:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from floorplan import __version__
-from floorplan.config import Config
+from floorplan.config import Config, SiteConfig
 from floorplan.initial_layout import InitialLayout
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution, LeastSquaresSolution, MergeResult
@@ -81,7 +81,7 @@ def summary(results: Results, paths: Trajectories, scan_path: Path, work: Path, 
     """The paper's table for this scan."""
     seconds = {folder: record["seconds"] for folder, record in _records(work).items()}
     returns = _returns_to_start(results, scan_path, config)
-    key = root_key(work, returns)
+    key = root_key(work, returns, config)
     return summarise(
         results.scan, results.layout.tracks, results.merged, results.solution, paths, returns, results.problems, seconds, key
     )
@@ -93,7 +93,7 @@ def write_root_files(results: Results, scan_path: Path, work: Path, config: Conf
     Files that were made from the very same stages are left as they are. The summary goes first and comes last: while it
     stands there, the others belong to it.
     """
-    if (known := _kept_summary(work, root_key(work, _returns_to_start(results, scan_path, config)))) is not None:
+    if (known := _kept_summary(work, root_key(work, _returns_to_start(results, scan_path, config), config))) is not None:
         return known
     from floorplan.plan.plan_json import plan_to_json
 
@@ -114,11 +114,12 @@ def write_root_files(results: Results, scan_path: Path, work: Path, config: Conf
     return table
 
 
-def root_key(work: Path, returns_to_start: bool) -> str:
-    """What the root files depend on: the stages by their keys, the book of ids, the version, the setting that only the summary reads."""
+def root_key(work: Path, returns_to_start: bool, config: Config) -> str:
+    """What the root files depend on: stages by their keys, book of ids, version, the setting that only the summary reads, the site."""
+    site = [config.site.control_sha256, config.site.north_deg] if config.site != SiteConfig() else []
     keys = [record["key"] for record in _records(work).values()]
     book = (work / BOOK_NAME).read_text("utf-8") if (work / BOOK_NAME).exists() else ""
-    return hashlib.sha256(json.dumps([*keys, book, __version__, returns_to_start]).encode()).hexdigest()[:ROOT_KEY_DIGITS]
+    return hashlib.sha256(json.dumps([*keys, book, __version__, returns_to_start, *site]).encode()).hexdigest()[:ROOT_KEY_DIGITS]
 
 
 def _kept_summary(work: Path, key: str) -> Summary | None:

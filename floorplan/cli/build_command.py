@@ -10,6 +10,7 @@ import typer
 from floorplan.cli import options as o
 from floorplan.cli.calibration_table import print_calibration
 from floorplan.cli.console import ConsoleReporter, echo, echo_table
+from floorplan.cli.site_table import print_site
 
 if TYPE_CHECKING:
     from floorplan.build import Job
@@ -36,6 +37,8 @@ def build(
     laser: Annotated[Path | None, typer.Option("--laser", metavar="F.csv", help="Distances measured by hand: calibrates the plan.")] = None,
     edits: Annotated[Path | None, typer.Option("--edits", metavar="F.toml", help="Corrections by hand.")] = None,
     start: Annotated[str | None, typer.Option("--start", metavar="match|common|F.csv", help="How several scans are laid together.")] = None,
+    control: o.Control = None,
+    north: o.North = None,
     format: o.Format = None,
     topics: o.Topics = None,
     trim: o.Trim = None,
@@ -61,10 +64,10 @@ def build(
         o.check_scan(scan)
     from floorplan.build import Job
     from floorplan.build import build as run
-    from floorplan.corrections import with_edits, with_laser, with_start
+    from floorplan.corrections import with_edits, with_laser, with_site, with_start
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
-    effective = with_start(with_edits(with_laser(effective, laser), edits), start)
+    effective = with_site(with_start(with_edits(with_laser(effective, laser), edits), start), control, north)
     job = Job(scans[0], work or o.default_work(*scans), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     if len(scans) == 1:
         results = run(job, reporter)
@@ -103,6 +106,8 @@ def _print_numbers(job: "Job", results: "Results") -> None:
         echo(f"and {len(dimensions) - NAMED_DIMENSIONS} more dimensions: in {job.work / 'plan.json'}, and in dimensions.csv with --csv DIR")
     if results.solution.calibration is not None:
         print_calibration(results.solution.calibration)
+    if results.plan.site is not None:
+        print_site(results.plan.site)
     for level in levels:
         for note in level.notes:
             echo(f"note: {f'{level.level}: ' if len(levels) > 1 else ''}{note}")

@@ -36,6 +36,12 @@ Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="A
 Trim = Annotated[
     str | None, typer.Option("--trim", metavar="12s:340s", help="Use this part of the recording; either end may be left out.")
 ]
+Control = Annotated[
+    Path | None, typer.Option("--control", metavar="POINTS.csv", help="Points on the site grid: places the plan in every export.")
+]
+North = Annotated[
+    float | None, typer.Option("--north", metavar="DEG", help="Grid north, counter-clockwise from the plan's +y: turns every export.")
+]
 Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="Units of the drawing.")]
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]

@@ -8,6 +8,7 @@ import typer
 
 from floorplan.cli import options as o
 from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.cli.site_table import print_site
 from floorplan.config import Config
 from floorplan.errors import UsageError
 
@@ -77,6 +78,8 @@ def export(
     units: o.Units = None,
     scale: o.Scale = None,
     sheet: o.Sheet = None,
+    control: o.Control = None,
+    north: o.North = None,
     quiet: o.Quiet = False,
 ) -> None:
     """Write drawings, or the layout graph, again from finished stages."""
@@ -91,15 +94,22 @@ def export(
     if not drawings and graph is None:
         raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json, --geojson, --csv, --report, --graph")
     read_owner(work)
+    from floorplan.corrections import with_site
     from floorplan.export import export as run
     from floorplan.export import export_graph
 
     effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet)
+    effective = with_site(effective, control, north)
     if graph is not None:
         export_graph(work, effective, graph)
-    written = run(work, effective, drawings, ConsoleReporter(quiet)) if drawings else ()
-    for path in (*written, *([graph] if graph else [])):
-        echo(str(path))
+    if drawings:
+        exported = run(work, effective, drawings, ConsoleReporter(quiet))
+        if exported.plan.site is not None and not quiet:
+            print_site(exported.plan.site)
+        for path in exported.files:
+            echo(str(path))
+    if graph is not None:
+        echo(str(graph))
 
 
 def _export_frame(work: Path, frame: int, png: Path | None, config: Config) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from floorplan.model.checks import Array, freeze
 from floorplan.model.scan import Trajectory
+from floorplan.model.site import Site
 
 Point = tuple[float, float]  # x, y in the plan frame, metres
 
@@ -210,6 +211,7 @@ class Plan:
     notes: tuple[str, ...] = ()
     floor_seen: bool = False
     level: str = ""
+    site: Site | None = None  # where the plan's frame lies on the site grid, where that is known
     elevation_m: float = 0.0
     upper_storeys: tuple["Plan", ...] = ()
 

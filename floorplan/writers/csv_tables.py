@@ -4,7 +4,7 @@ import csv
 import io
 from collections.abc import Iterable
 
-from floorplan.model.plan import Plan
+from floorplan.model.plan import Plan, Point
 from floorplan.writers.unit_style import NORMAL_95
 
 DIMENSION_COLUMNS = ("id", "plan_m", "plus_minus_95_m", "from", "to", "direction", "kind", "room", "x1", "y1", "x2", "y2", "measured_m")
@@ -37,11 +37,13 @@ def dimensions_csv(plan: Plan) -> bytes:
             dimension.room,
             *(f"{value:.3f}" for value in (*dimension.start, *dimension.end)),
             "",
+            *_on_site(plan, dimension.start),
+            *_on_site(plan, dimension.end),
         )
         for storey in plan.storeys
         for dimension in storey.dimensions
     )
-    return _table((*_storey_column(plan), *DIMENSION_COLUMNS), rows)
+    return _table((*_storey_column(plan), *DIMENSION_COLUMNS, *_site_columns(plan, "east1", "north1", "east2", "north2")), rows)
 
 
 def rooms_csv(plan: Plan) -> bytes:
@@ -58,11 +60,12 @@ def rooms_csv(plan: Plan) -> bytes:
             _metres(None if room.ceiling_sigma_m is None else NORMAL_95 * room.ceiling_sigma_m),
             "yes" if room.visited else "no",
             "yes" if room.partial else "no",
+            *_on_site(plan, room.label),
         )
         for storey in plan.storeys
         for room in storey.rooms
     )
-    return _table((*_storey_column(plan), *ROOM_COLUMNS), rows)
+    return _table((*_storey_column(plan), *ROOM_COLUMNS, *_site_columns(plan, "east", "north")), rows)
 
 
 def _storey_column(plan: Plan) -> tuple[str, ...]:
@@ -72,6 +75,15 @@ def _storey_column(plan: Plan) -> tuple[str, ...]:
 
 def _storey(plan: Plan, storey: Plan) -> tuple[str, ...]:
     return (storey.level,) if plan.upper_storeys else ()
+
+
+def _site_columns(plan: Plan, *names: str) -> tuple[str, ...]:
+    """Columns that only a plan on a site grid has."""
+    return names if plan.site is not None else ()
+
+
+def _on_site(plan: Plan, point: Point) -> tuple[str, ...]:
+    return () if plan.site is None else tuple(f"{value:.3f}" for value in plan.site.to_site(point))
 
 
 def _metres(value_m: float | None) -> str:

@@ -5,6 +5,7 @@ from floorplan.writers.composition import Composition
 from floorplan.writers.dxf_document import document_bytes, fixed_metadata, new_document
 from floorplan.writers.dxf_plan import draw_plan
 from floorplan.writers.dxf_sheet import add_title_block, draw_sheet
+from floorplan.writers.dxf_site import place_on_site
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.title_block import TAGS
 
@@ -20,6 +21,7 @@ def dxf_bytes(composition: Composition, version: str, project: ProjectConfig, fa
         document = new_document(composition, version, template)
         draw_plan(document, composition)
         draw_sheet(document, composition, project, facts)
+        place_on_site(document, composition)
         return document_bytes(document, facts.date)
 
 

@@ -1,9 +1,10 @@
-"""The plan as a GeoJSON FeatureCollection in plan metres (x, y along the walls; no geographic reference)."""
+"""The plan as a GeoJSON FeatureCollection in metres: of the plan frame, x and y along the walls, or of the site grid where it is placed."""
 
 import json
 from typing import Any
 
 from floorplan.model.plan import Certainty, Plan, Point
+from floorplan.model.site import Site
 
 MILLIMETRE_DIGITS = 4  # decimals of a metre kept: a tenth of a millimetre
 
@@ -13,9 +14,20 @@ Feature = dict[str, Any]
 def geojson_bytes(plan: Plan) -> bytes:
     """One feature per line: rooms and columns as polygons, walls and glazing as lines, openings as points with their width."""
     features = [feature for storey in plan.storeys for feature in _storey(storey)]
+    if plan.site is not None:
+        for feature in features:
+            feature["geometry"]["coordinates"] = _placed(feature["geometry"]["coordinates"], plan.site)
+    frame = "plan: x and y along the walls" if plan.site is None else "site grid: east and north"
     lines = ",\n".join(json.dumps(feature, ensure_ascii=False) for feature in features)
-    head = '{"type": "FeatureCollection", "units": "m", "frame": "plan: x and y along the walls", "features": ['
+    head = f'{{"type": "FeatureCollection", "units": "m", "frame": "{frame}", "features": ['
     return f"{head}\n{lines}\n]}}\n".encode()
+
+
+def _placed(coordinates: Any, site: Site) -> Any:
+    """Every position of a geometry on the site grid."""
+    if isinstance(coordinates[0], list):
+        return [_placed(part, site) for part in coordinates]
+    return _position(site.to_site((coordinates[0], coordinates[1])))
 
 
 def _storey(plan: Plan) -> list[Feature]:
