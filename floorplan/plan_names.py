@@ -190,6 +190,7 @@ def _renamed(plan: Plan, ids: dict[str, str]) -> Plan:
     """Every id and every reference replaced, but for those of dimensions."""
     return replace(
         plan,
+        notes=tuple(re.sub(r"\b[A-Z]\d+\b", lambda word: ids.get(word[0], word[0]), note) for note in plan.notes),
         planes=tuple(replace(p, id=ids[p.id]) for p in plan.planes),
         faces=tuple(replace(f, id=ids[f.id], plane=ids[f.plane]) for f in plan.faces),
         walls=tuple(replace(w, id=ids[w.id], faces=tuple(ids.get(f, f) for f in w.faces)) for w in plan.walls),

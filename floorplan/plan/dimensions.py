@@ -140,6 +140,15 @@ def _stamp_box(room: Room) -> Polygon:
 
 
 def numbered(dimensions: tuple[Dimension, ...]) -> tuple[Dimension, ...]:
-    """Ids D1, D2, ... from the top left of the plan downwards, heights last."""
-    order = sorted(dimensions, key=lambda d: (d.role is DimensionRole.HEIGHT, d.room, -round(d.line[1], 2), round(d.line[0], 2)))
+    """Ids D1, D2, ...: sizes room by room from the top left, then the chains outside side by side, the lengths over all, heights last."""
+    order = sorted(dimensions, key=_drawing_order)
     return tuple(replace(dimension, id=f"D{number + 1}") for number, dimension in enumerate(order))
+
+
+def _drawing_order(dimension: Dimension) -> tuple[int, int, tuple[float, float]]:
+    role = list(DimensionRole).index(dimension.role)
+    number = int(dimension.room[1:] or 0)
+    x, y = round(dimension.line[0], 2), round(dimension.line[1], 2)
+    if dimension.role in (DimensionRole.CHAIN, DimensionRole.OVERALL):  # along one side after the other
+        return role, dimension.axis, (y, x) if dimension.axis == 0 else (x, y)
+    return role, number, (-y, x)

@@ -7,10 +7,11 @@ import numpy as np
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution
-from floorplan.model.plan import FreeLine, Plan, PlanPlane, Rejection, Room
+from floorplan.model.plan import Plan, PlanPlane, Rejection
 from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import FreePatches, SegmentedScan, Tracks
 from floorplan.plan.bodies import Body, bodies_of, junction_blocks, paired_faces, solid
+from floorplan.plan.chains import outside_chains
 from floorplan.plan.columns import as_columns, column_bodies, column_faces
 from floorplan.plan.corners import FaceRun, agreed_jambs, joined_corners
 from floorplan.plan.dimensions import numbered, wall_to_wall
@@ -20,6 +21,7 @@ from floorplan.plan.free_lines import free_lines
 from floorplan.plan.free_space import free_space
 from floorplan.plan.gaps import Gap, find_gaps
 from floorplan.plan.glazing import as_glazing, glazed_lines
+from floorplan.plan.notes import plan_notes
 from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
 from floorplan.plan.panes import paned_gaps
@@ -75,12 +77,16 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
         openings=openings,
         rooms=rooms,
         columns=as_columns(columns),
-        dimensions=numbered(wall_to_wall(faces, rooms, covariance, ids) + height_dimensions(rooms, levels, planes, covariance)),
+        dimensions=numbered(
+            wall_to_wall(faces, rooms, covariance, ids)
+            + outside_chains(faces, rooms, covariance, ids)
+            + height_dimensions(rooms, levels, planes, covariance)
+        ),
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=solution.plane_covariance_m2,
         evidence_xy_m=_drawn_points(world, config),
         rejections=surfaces.rejections,
-        notes=plan_notes(rooms, lines, world),
+        notes=plan_notes(rooms, lines, world.heights, world.floor_seen),
         floor_seen=world.floor_seen,
     )
 
@@ -108,22 +114,6 @@ def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
     gaps = find_gaps(faces, evidence, config, world.heights)
     thick = frozenset(index for pair in pairs for index in pair)
     return WallSurfaces(faces, bodies_of(faces, pairs), gaps, thick, found.rejections + doubled)
-
-
-def plan_notes(rooms: tuple[Room, ...], lines: tuple[FreeLine, ...], world: PlanWorld) -> tuple[str, ...]:
-    """What a reader of the drawing must be told."""
-    notes = []
-    if lines:
-        angles = ", ".join(f"{line.id} {line.off_axis_deg:.1f} deg" for line in lines)
-        notes.append(f"Off the axes, outside the Manhattan model: {angles}.")
-    partial = [room.id for room in rooms if room.partial]
-    if partial:
-        notes.append(f"Not closed by seen walls; areas are of what was seen: {', '.join(partial)}.")
-    if not world.heights:
-        notes.append("Recorded by a level laser: no heights; openings are gaps at the laser's level.")
-    elif not world.floor_seen:
-        notes.append("No floor was seen: heights are not above the floor, and what reaches wall height is uncertain.")
-    return tuple(notes)
 
 
 def _framed(world: PlanWorld, solution: LayoutSolution) -> PlanWorld:

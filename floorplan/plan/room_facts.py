@@ -41,7 +41,7 @@ def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array
         for a, b in zip(ring, (*ring[1:], ring[0]), strict=True):
             axis = 0 if abs(a[0] - b[0]) < abs(a[1] - b[1]) else 1
             length = (b[1] - a[1]) if axis == 0 else (a[0] - b[0])  # positive where the room lies below the edge
-            face = _face_under(a, b, axis, faces)
+            face = face_under(a, b, axis, faces)
             if face is None:
                 loose += (length * UNSEEN_EDGE_SIGMA_M) ** 2
             else:
@@ -49,7 +49,8 @@ def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array
     return replace(room, area_sigma_m2=float(np.sqrt(max(float(gradient @ covariance_m2 @ gradient), 0.0) + loose)))
 
 
-def _face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces: tuple[FaceRun, ...]) -> FaceRun | None:
+def face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces: tuple[FaceRun, ...]) -> FaceRun | None:
+    """The face that an edge of an outline lies on, the one that covers most of it; None where it lies on none."""
     low, high = sorted((a[1 - axis], b[1 - axis]))
     on = [f for f in faces if f.axis == axis and abs(f.offset_m - a[axis]) < ON_FACE_M]
     best = max(on, key=lambda f: min(f.end_m, high) - max(f.start_m, low), default=None)

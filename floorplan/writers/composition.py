@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 from floorplan.config import DrawingConfig
 from floorplan.errors import ConfigError
-from floorplan.model.plan import Plan, Point
-from floorplan.writers.dimension_layout import PlacedDimension, place_dimensions
+from floorplan.model.plan import DimensionRole, Plan, Point
+from floorplan.writers.chain_layout import place_chains
+from floorplan.writers.dimension_layout import place_sizes
 from floorplan.writers.door_symbol import DoorSymbol, door_symbols
 from floorplan.writers.layers import Layer, LayerStyle, layer_styles
 from floorplan.writers.occupancy import LINE_WEIGHT, STAMP_WEIGHT, SYMBOL_WEIGHT, TEXT_WEIGHT, WALL_WEIGHT, Occupancy, Rectangle
+from floorplan.writers.placed_dimension import PlacedDimension
 from floorplan.writers.scale import Scale, choose_scale
 from floorplan.writers.sheet_size import Sheet, sheet_named
 from floorplan.writers.stamp_layout import PlacedStamp, place_stamps, stamp_lines, stamp_rectangle
@@ -19,6 +21,7 @@ PROFILES = ("", "cafm")
 DXF_VERSIONS = ("R2000", "R2004", "R2007", "R2010", "R2013", "R2018")
 CAFM_DXF_VERSION = "R2000"
 EMPTY_PLAN_M = 5.0  # half the side of the empty field shown when there is nothing to draw
+FIELD_MARGIN_MM = 4.0  # words of sizes may stand this far outside the outermost wall, before the chains begin
 PIECE_M = 0.5  # oblique lines are cut into pieces of this length before they become boxes
 
 
@@ -38,6 +41,12 @@ class Composition:
     doors: tuple[DoorSymbol, ...]
     strict: bool  # cafm: what strict importers demand
 
+    @property
+    def left_off(self) -> tuple[str, ...]:
+        """Ids of the dimensions that found no place at this scale; tables and `plan.json` have them."""
+        drawn = {placed.dimension.id for placed in self.dimensions}
+        return tuple(d.id for d in self.plan.dimensions if d.axis < 2 and d.role != DimensionRole.HEIGHT and d.id not in drawn)
+
     def paper(self, point: Point) -> Point:
         """Plan metres to paper millimetres."""
         return (
@@ -54,39 +63,54 @@ def compose(plan: Plan, drawing: DrawingConfig) -> Composition:
     units = unit_style("m" if strict else drawing.units)
     sheet = sheet_named(drawing.sheet)
     extents = plan_extents(plan)
-    width, height = extents.x1 - extents.x0, extents.y1 - extents.y0
-    scale = choose_scale(drawing.scale, width, height, sheet.drawing, units.metric)
+
+    def drawn(scale: Scale) -> Rectangle:
+        return drawn_extents(plan, extents, scale, units)
+
+    scale = choose_scale(drawing.scale, drawn, sheet.drawing, units.metric)
     doors = door_symbols(plan)
+    chains = place_chains(plan, extents, scale, units)
+    whole = drawn(scale)
     occupied = obstacles(plan, doors, scale)
+    _add_dimensions(chains, occupied)
     _add_provisional_stamps(plan, scale, units, occupied)
-    dimensions = place_dimensions(plan, scale, units, occupied)
+    sizes = place_sizes(plan, extents.grown(scale.model_m(FIELD_MARGIN_MM)), scale, units, occupied)
     final = obstacles(plan, doors, scale)
-    for placed in dimensions:
-        final.add(placed.text_box, TEXT_WEIGHT)
-        final.add(placed.line_box, LINE_WEIGHT)
+    _add_dimensions((*chains, *sizes), final)
     centre = sheet.drawing.centre
-    middle = (extents.x0 + extents.x1) / 2, (extents.y0 + extents.y1) / 2
+    middle = (whole.x0 + whole.x1) / 2, (whole.y0 + whole.y1) / 2
+    placed = {one.dimension.id: one for one in (*chains, *sizes)}
     return Composition(
         plan=plan,
         sheet=sheet,
         scale=scale,
         units=units,
         layers=layer_styles(drawing.layers),
-        extents=extents,
+        extents=whole,
         paper_origin_mm=(centre[0] - scale.paper_mm(middle[0]), centre[1] - scale.paper_mm(middle[1])),
-        dimensions=dimensions,
+        dimensions=tuple(placed[dimension.id] for dimension in plan.dimensions if dimension.id in placed),
         stamps=place_stamps(plan, scale, units, final),
         doors=doors,
         strict=strict,
     )
 
 
+def _add_dimensions(dimensions: tuple[PlacedDimension, ...], occupied: Occupancy) -> None:
+    for placed in dimensions:
+        occupied.add(placed.text_box, TEXT_WEIGHT)
+        occupied.add(placed.line_box, LINE_WEIGHT)
+
+
+def drawn_extents(plan: Plan, extents: Rectangle, scale: Scale, units: UnitStyle) -> Rectangle:
+    """The box around the plan and its chains as a scale spaces them."""
+    return extents.joined(box for one in place_chains(plan, extents, scale, units) for box in (one.text_box, one.line_box))
+
+
 def plan_extents(plan: Plan) -> Rectangle:
-    """The box around all that is drawn in true size, and the plan's own dimension lines."""
+    """The box around all that is drawn in true size."""
     points = [point for line in _solid_lines(plan) for point in line]
     points += [point for room in plan.rooms for point in room.outline]
     points += [point for ring in plan.gross_outline for point in ring]
-    points += [dimension.line for dimension in plan.dimensions if dimension.axis < 2]
     if not points:
         return Rectangle(-EMPTY_PLAN_M, -EMPTY_PLAN_M, EMPTY_PLAN_M, EMPTY_PLAN_M)
     return Rectangle.around(points)

@@ -1,106 +1,128 @@
-"""Where each dimension's line and text go, so that they can be read: of all places the one that collides least."""
+"""Where the line and the words of each size inside a room go, so that they can be read: of all places the one that collides least."""
 
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
 
-from shapely import LineString, Polygon
+from shapely import LineString, Polygon, prepare
 
 from floorplan.model.plan import Dimension, DimensionRole, Plan, Point
-from floorplan.writers.dimension_spots import TEXT_HEIGHT_MM, Spot, point_at, span, spots
-from floorplan.writers.occupancy import LINE_WEIGHT, TEXT_WEIGHT, WALL_WEIGHT, Occupancy, Rectangle
+from floorplan.writers.dimension_spots import STEP_MM, TEXT_HEIGHT_MM, Spot, point_at, span, spots, text_box
+from floorplan.writers.occupancy import LINE_WEIGHT, SYMBOL_WEIGHT, TEXT_WEIGHT, WALL_WEIGHT, Occupancy, Rectangle
+from floorplan.writers.placed_dimension import PlacedDimension, dimension_label
 from floorplan.writers.scale import Scale
 from floorplan.writers.text_size import text_width
-from floorplan.writers.unit_style import UnitStyle, distance_text
+from floorplan.writers.unit_style import UnitStyle
 
 LEAVES_ROOM_COST = 60.0  # a room's size belongs inside the room
+OFF_FIELD_COST = 60.0  # outside the plan is the place of the chains
+ALONG_WALL_COST = 60.0  # a dimension line that runs on a wall line is not seen
+CROSSES_DOOR_COST = 5.0  # a line through a door's swing
 ROOM_SLACK_M = 0.02  # a room's outline and its dimension's ends may differ by rounding
+COLLIDES = WALL_WEIGHT  # a place that costs as much lies on a wall, on words or on several lines
+RINGS, DIRECTIONS, LINES = 16, 16, 6  # words that find no place at their line are led aside: how far, which ways, from how many lines
 
 
-@dataclass(frozen=True)
-class PlacedDimension:
-    """A dimension as drawn, plan frame, metres: ends of the dimension line, centre of the text.
+def place_sizes(plan: Plan, field: Rectangle, scale: Scale, units: UnitStyle, occupied: Occupancy) -> tuple[PlacedDimension, ...]:
+    """The sizes of rooms in the plan's order, but for those whose words would lie on others; `occupied` gains words and lines.
 
-    `line_reach` are the ends of the line as drawn: it runs on under text that stands beyond the measured stretch.
-    `extended`: whether start and end need an extension line; an end that touches a wall needs none.
+    `field` is the plan's own place on the sheet.
     """
-
-    dimension: Dimension
-    text: str
-    line: tuple[Point, Point]
-    line_reach: tuple[Point, Point]
-    text_centre: Point
-    text_rotation_deg: float
-    extended: tuple[bool, bool]
-    text_box: Rectangle
-    line_box: Rectangle
-
-
-def dimension_label(dimension: Dimension, units: UnitStyle) -> str:
-    """`D1  5.432 m ±0.012`."""
-    return f"{dimension.id}  {distance_text(dimension.distance_m, dimension.sigma_m, units)}"
-
-
-def is_drawn(dimension: Dimension) -> bool:
-    """Heights are listed only."""
-    return dimension.role != DimensionRole.HEIGHT and dimension.axis < 2
-
-
-def place_dimensions(plan: Plan, scale: Scale, units: UnitStyle, occupied: Occupancy) -> tuple[PlacedDimension, ...]:
-    """All drawn dimensions in the plan's order; `occupied` gains their text and lines."""
     rooms = {room.id: Polygon(room.outline, room.holes).buffer(ROOM_SLACK_M) for room in plan.rooms}
-    middle = _middle(plan)
-    return tuple(
-        _place(dimension, rooms.get(dimension.room), middle, scale, units, occupied) for dimension in plan.dimensions if is_drawn(dimension)
-    )
+    for polygon in rooms.values():
+        prepare(polygon)
+    sizes = [d for d in plan.dimensions if d.role == DimensionRole.ROOM and d.axis < 2]
+    placer = _Placer(field, scale, units, occupied)
+    placed = (placer.place(dimension, rooms.get(dimension.room)) for dimension in sizes)
+    return tuple(one for one in placed if one is not None)
 
 
-def _middle(plan: Plan) -> Point:
-    points = [point for wall in plan.walls for line in wall.seen for point in line]
-    if not points:
-        return 0.0, 0.0
-    box = Rectangle.around(points)
-    return (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2
+class _Placer:
+    """What all sizes of a drawing share while they are placed one after the other."""
 
+    def __init__(self, field: Rectangle, scale: Scale, units: UnitStyle, occupied: Occupancy) -> None:
+        self.field, self.scale, self.units, self.occupied = field, scale, units, occupied
 
-def _place(
-    dimension: Dimension, room: Polygon | None, middle: Point, scale: Scale, units: UnitStyle, occupied: Occupancy
-) -> PlacedDimension:
-    text = dimension_label(dimension, units)
-    width = scale.model_m(text_width(text, TEXT_HEIGHT_MM))
-    best, best_cost = None, float("inf")
-    for spot in spots(dimension, middle, width, scale):
-        if spot.cost >= best_cost:
-            continue
-        cost = _cost(spot, dimension, room, scale, occupied)
-        if cost < best_cost:
-            best, best_cost = spot, cost
-    if best is None:
-        raise ValueError(f"dimension {dimension.id} has no finite place: {dimension}")
-    return _settle(dimension, text, best, scale, occupied)
+    def place(self, dimension: Dimension, room: Polygon | None) -> PlacedDimension | None:
+        text = dimension_label(dimension, self.units)
+        width = self.scale.model_m(text_width(text, TEXT_HEIGHT_MM))
+        best, best_cost = None, math.inf
+        for spot in spots(dimension, width, self.scale):
+            if spot.cost >= best_cost:
+                continue
+            cost = spot.cost + self.words_cost(spot.text_box)
+            if cost < best_cost:
+                cost += self.line_cost(spot, dimension, room)
+            if cost < best_cost:
+                best, best_cost = spot, cost
+        if best is None:
+            raise ValueError(f"dimension {dimension.id} has no finite place: {dimension}")
+        aside = self.led_aside(dimension, width, room) if best_cost >= COLLIDES else None
+        if aside is None and best_cost >= TEXT_WEIGHT:
+            return None
+        return self.settled(dimension, text, *(aside or (best, None)))
 
+    def words_cost(self, box: Rectangle) -> float:
+        return self.occupied.cost(box) + (0.0 if self.field.holds(box) else OFF_FIELD_COST)
 
-def _cost(spot: Spot, dimension: Dimension, room: Polygon | None, scale: Scale, occupied: Occupancy) -> float:
-    cost = spot.cost + occupied.cost(spot.text_box) + occupied.cost(spot.line_box(scale), at_least=TEXT_WEIGHT)
-    if dimension.role == DimensionRole.ROOM and room is not None:
+    def line_cost(self, spot: Spot, dimension: Dimension, room: Polygon | None) -> float:
+        """What the line alone costs: words under it, a wall or a door along it, a room left."""
+        axis, box = dimension.axis, spot.line_box(self.scale)
         low, high = span(dimension)
-        line = LineString([point_at(dimension.axis, low, spot.across), point_at(dimension.axis, high, spot.across)])
-        cost += 0.0 if room.covers(line) else LEAVES_ROOM_COST
-    return cost
+        cost = self.occupied.cost(box, at_least=TEXT_WEIGHT)
+        cost += ALONG_WALL_COST * self.occupied.covered_share(box, axis, WALL_WEIGHT)
+        cost += CROSSES_DOOR_COST * (self.occupied.covered_share(box, axis, SYMBOL_WEIGHT) > 0)
+        line = LineString([point_at(axis, low, spot.across), point_at(axis, high, spot.across)])
+        return cost + (0.0 if room is None or room.covers(line) else LEAVES_ROOM_COST)
+
+    def led_aside(self, dimension: Dimension, width: float, room: Polygon | None) -> tuple[Spot, tuple[Point, Point]] | None:
+        """The nearest free place for the words off their line, and the leader to it; None where there is none."""
+        lines = {spot.across: spot for spot in spots(dimension, width, self.scale) if not spot.reaches_beyond}
+        costs = {across: spot.cost + self.line_cost(spot, dimension, room) for across, spot in lines.items()}
+        for across in sorted(lines, key=lambda key: costs[key])[:LINES]:
+            if costs[across] >= COLLIDES:
+                return None
+            low, high = span(dimension)
+            foot = point_at(dimension.axis, (low + high) / 2, across)
+            for barrier, centre in product((WALL_WEIGHT, TEXT_WEIGHT), _around(foot, self.scale.model_m(STEP_MM))):
+                box = text_box(centre, width, self.scale, 0.0)
+                leader = Rectangle.around((foot, centre))
+                if self.words_cost(box) == 0 and self.occupied.cost(leader, at_least=barrier) == 0:
+                    spot = replace(lines[across], text_centre=centre, text_rotation_deg=0.0, text_box=box)
+                    return spot, (foot, _edge_towards(box, foot))
+        return None
+
+    def settled(self, dimension: Dimension, text: str, spot: Spot, leader: tuple[Point, Point] | None) -> PlacedDimension:
+        axis, line_box = dimension.axis, spot.line_box(self.scale)
+        line = (point_at(axis, dimension.start[axis], spot.across), point_at(axis, dimension.end[axis], spot.across))
+        extended = (not self.occupied.touches(line[0], WALL_WEIGHT), not self.occupied.touches(line[1], WALL_WEIGHT))
+        self.occupied.add(spot.text_box, TEXT_WEIGHT)
+        self.occupied.add(line_box, LINE_WEIGHT)
+        if leader is not None:
+            self.occupied.add(Rectangle.around(leader), LINE_WEIGHT)
+        return PlacedDimension(
+            dimension=dimension,
+            text=text,
+            line=line,
+            line_reach=spot.reach,
+            text_centre=spot.text_centre,
+            text_rotation_deg=spot.text_rotation_deg,
+            extended=extended,
+            text_box=spot.text_box,
+            line_box=line_box,
+            leader=leader,
+        )
 
 
-def _settle(dimension: Dimension, text: str, spot: Spot, scale: Scale, occupied: Occupancy) -> PlacedDimension:
-    axis, line_box = dimension.axis, spot.line_box(scale)
-    line = (point_at(axis, dimension.start[axis], spot.across), point_at(axis, dimension.end[axis], spot.across))
-    extended = (not occupied.touches(line[0], WALL_WEIGHT), not occupied.touches(line[1], WALL_WEIGHT))
-    occupied.add(spot.text_box, TEXT_WEIGHT)
-    occupied.add(line_box, LINE_WEIGHT)
-    return PlacedDimension(
-        dimension=dimension,
-        text=text,
-        line=line,
-        line_reach=spot.reach,
-        text_centre=spot.text_centre,
-        text_rotation_deg=spot.text_rotation_deg,
-        extended=extended,
-        text_box=spot.text_box,
-        line_box=line_box,
-    )
+def _around(centre: Point, step: float) -> Iterator[Point]:
+    """Points on rings about a centre, nearest first."""
+    for ring in range(1, RINGS + 1):
+        for way in range(DIRECTIONS):
+            angle = math.tau * way / DIRECTIONS
+            yield centre[0] + ring * step * math.cos(angle), centre[1] + ring * step * math.sin(angle)
+
+
+def _edge_towards(box: Rectangle, point: Point) -> Point:
+    """The point of a box that is nearest to another point."""
+    return min(max(point[0], box.x0), box.x1), min(max(point[1], box.y0), box.y1)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from floorplan.model.plan import Dimension, DimensionRole, Point
+from floorplan.model.plan import Dimension, Point
 from floorplan.writers.occupancy import Rectangle
 from floorplan.writers.scale import Scale
 
@@ -11,8 +11,8 @@ TEXT_HEIGHT_MM = 1.8  # ISO 3098, the smallest size of lettering
 TEXT_GAP_MM = 0.8  # between dimension line and text
 TICK_MM = 1.2  # width of the oblique stroke
 CLEARANCE_MM = 0.7  # kept free around text
-SIDE_STEP_MM = 4.0  # trials aside: one line of text and its gap
-SIDE_STEPS = 12
+STEP_MM = 4.0  # trials aside: one line of text and its gap
+SIDE_STEPS = 16
 ASIDE_COST = 0.6  # per step: the plan's own place is the best guess
 SLID_COST = 0.2  # text off the middle of its line
 ACROSS_COST = 4.0  # text at a right angle to a short dimension
@@ -30,6 +30,7 @@ class Spot:
     text_rotation_deg: float
     text_box: Rectangle
     cost: float
+    reaches_beyond: bool = False
 
     def line_box(self, scale: Scale) -> Rectangle:
         return Rectangle.around(self.reach, scale.model_m(CLEARANCE_MM / 2))
@@ -46,15 +47,13 @@ def point_at(axis: int, along: float, across: float) -> Point:
     return (along, across) if axis == 0 else (across, along)
 
 
-def spots(dimension: Dimension, middle: Point, width: float, scale: Scale) -> Iterator[Spot]:
-    """Every place to try for a text of `width` (plan metres); `middle` of the plan tells chains which way is out."""
+def spots(dimension: Dimension, width: float, scale: Scale) -> Iterator[Spot]:
+    """Every place to try for a text of `width` (plan metres): on the plan's own line, then ever farther to both sides of it."""
     across = dimension.line[1 - dimension.axis]
-    step = scale.model_m(SIDE_STEP_MM)
-    outward = 1.0 if across >= middle[1 - dimension.axis] else -1.0
-    ways = (1.0, -1.0) if dimension.role == DimensionRole.ROOM else (outward,)
+    step = scale.model_m(STEP_MM)
     yield from _along(dimension, across, width, scale, 0.0)
     for count in range(1, SIDE_STEPS + 1):
-        for way in ways:
+        for way in (1.0, -1.0):
             yield from _along(dimension, across + way * count * step, width, scale, count * ASIDE_COST)
 
 
@@ -70,26 +69,41 @@ def _along(dimension: Dimension, across: float, width: float, scale: Scale, cost
             yield _spot(axis, across, (low, high), (middle + slide, across + sign * offset), width, scale, cost + SLID_COST)
         return
     side = scale.model_m(TEXT_GAP_MM) + width / 2
-    for turned in (side, -side) if dimension.role == DimensionRole.ROOM else ():
+    for turned in (side, -side):
         yield _spot(axis, across, (low, high), (middle, across + turned), width, scale, cost + ACROSS_COST, across_the_line=True)
     beyond = width / 2 + scale.model_m(TICK_MM + CLEARANCE_MM)
     for centre, reach in ((high + beyond, (low, high + beyond + width / 2)), (low - beyond, (low - beyond - width / 2, high))):
-        yield _spot(axis, across, reach, (centre, across + sign * offset), width, scale, cost + BEYOND_COST)
+        words = (centre, across + sign * offset)
+        yield _spot(axis, across, reach, words, width, scale, cost + BEYOND_COST, reaches_beyond=True)
 
 
 def _spot(
-    axis: int, across: float, reach: Point, text: Point, width: float, scale: Scale, cost: float, across_the_line: bool = False
+    axis: int,
+    across: float,
+    reach: Point,
+    text: Point,
+    width: float,
+    scale: Scale,
+    cost: float,
+    across_the_line: bool = False,
+    reaches_beyond: bool = False,
 ) -> Spot:
     """`reach` and `text` in coordinates (along, across)."""
-    clear, height = scale.model_m(CLEARANCE_MM), scale.model_m(TEXT_HEIGHT_MM)
-    horizontal = (axis == 0) != across_the_line
-    wide, high = width + 2 * clear, height + 2 * clear
+    rotation = 0.0 if (axis == 0) != across_the_line else 90.0
     centre = point_at(axis, *text)
     return Spot(
         across=across,
         reach=(point_at(axis, reach[0], across), point_at(axis, reach[1], across)),
         text_centre=centre,
-        text_rotation_deg=0.0 if horizontal else 90.0,
-        text_box=Rectangle.centred(centre, *((wide, high) if horizontal else (high, wide))),
+        text_rotation_deg=rotation,
+        text_box=text_box(centre, width, scale, rotation),
         cost=cost,
+        reaches_beyond=reaches_beyond,
     )
+
+
+def text_box(centre: Point, width: float, scale: Scale, rotation_deg: float) -> Rectangle:
+    """The box of words of `width`, with the space kept free around them."""
+    clear = scale.model_m(CLEARANCE_MM)
+    wide, high = width + 2 * clear, scale.model_m(TEXT_HEIGHT_MM) + 2 * clear
+    return Rectangle.centred(centre, *((wide, high) if rotation_deg == 0.0 else (high, wide)))

@@ -13,6 +13,7 @@ STAMP_WEIGHT = 12.0  # before stamps have their final place
 WALL_WEIGHT = 30.0  # text over a wall line
 SYMBOL_WEIGHT = 15.0  # text over a door swing
 LINE_WEIGHT = 20.0  # text over a thin line
+ENDS_SHARE = 0.1  # of a dimension line, at either end: there it meets its walls
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,18 @@ class Rectangle:
     @classmethod
     def centred(cls, centre: Point, width: float, height: float) -> "Rectangle":
         return cls(centre[0] - width / 2, centre[1] - height / 2, centre[0] + width / 2, centre[1] + height / 2)
+
+    def holds(self, other: "Rectangle") -> bool:
+        """Whether `other` lies inside."""
+        return self.x0 <= other.x0 and self.y0 <= other.y0 and other.x1 <= self.x1 and other.y1 <= self.y1
+
+    def joined(self, others: "Iterable[Rectangle]") -> "Rectangle":
+        """The box around this one and all others."""
+        return Rectangle.around(corner for box in (self, *others) for corner in ((box.x0, box.y0), (box.x1, box.y1)))
+
+    def grown(self, by: float) -> "Rectangle":
+        """Larger by as much on every side."""
+        return Rectangle(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
 
 
 class Occupancy:
@@ -55,8 +68,25 @@ class Occupancy:
 
     def cost(self, box: Rectangle, at_least: float = 0.0) -> float:
         """Summed weight of the boxes that `box` overlaps, of those that weigh `at_least` so much."""
+        boxes, weights = self._table()
+        return float(weights[_overlap(boxes, box) & (weights >= at_least)].sum())
+
+    def covered_share(self, box: Rectangle, axis: int, weight: float) -> float:
+        """Share of the length of `box` along `axis` that boxes of that weight cover, but for its ends, which may touch walls."""
+        boxes, weights = self._table()
+        low, high = (box.x0, box.x1) if axis == 0 else (box.y0, box.y1)
+        shrink = ENDS_SHARE * (high - low)
+        low, high = low + shrink, high - shrink
+        over = boxes[_overlap(boxes, box) & (weights == weight)]
+        covered = np.minimum(over[:, 2 + axis], high) - np.maximum(over[:, axis], low)
+        return float(np.clip(covered, 0.0, None).sum() / (high - low)) if high > low else 0.0
+
+    def _table(self) -> tuple[Array, Array]:
         if self._arrays is None:
             self._arrays = np.asarray(self._boxes, dtype=float).reshape(-1, 4), np.asarray(self._weights, dtype=float)
-        boxes, weights = self._arrays
-        overlap = (boxes[:, 0] < box.x1) & (boxes[:, 2] > box.x0) & (boxes[:, 1] < box.y1) & (boxes[:, 3] > box.y0)
-        return float(weights[overlap & (weights >= at_least)].sum())
+        return self._arrays
+
+
+def _overlap(boxes: Array, box: Rectangle) -> Array:
+    """Which of `boxes` (N, 4) a box overlaps."""
+    return np.asarray((boxes[:, 0] < box.x1) & (boxes[:, 2] > box.x0) & (boxes[:, 1] < box.y1) & (boxes[:, 3] > box.y0))

@@ -5,11 +5,11 @@ import math
 from floorplan.config import ProjectConfig
 from floorplan.model.plan import FreeLine, Glazing, OpeningKind, Point
 from floorplan.writers.composition import Composition
-from floorplan.writers.dimension_layout import PlacedDimension
 from floorplan.writers.dimension_spots import TEXT_HEIGHT_MM, TICK_MM
 from floorplan.writers.door_symbol import UNIT_LEAF, UNIT_LINE, DoorSymbol, unit_arc, window_lines
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.layers import DASHED, PATH_DASH_MM, Layer
+from floorplan.writers.placed_dimension import PlacedDimension
 from floorplan.writers.scene import Align, Fill, Item, Label, Scene, Stroke
 from floorplan.writers.sheet_scene import frame_items, note_items, schedule_items, symbol_items, value_items
 from floorplan.writers.stamp_layout import PlacedStamp
@@ -18,6 +18,7 @@ from floorplan.writers.text_size import text_width
 EXTENSION_GAP_MM = 0.8  # between the face and its extension line
 EXTENSION_OVER_MM = 1.0  # beyond the dimension line
 LINE_NOTE_MM = 1.6  # capital height of the words along free lines and glazing
+WORDED_LINES = 3  # more lines off the axes than these say their angle in the notes, not each by itself
 TOUCHING_MM = 1.5  # a dimension line this close to its face needs no extension line
 TICK_PEN_MM = 0.35  # twice the dimension line: the stroke must be found at once
 ROOM_TINT = "#f6f8f6"
@@ -75,10 +76,14 @@ def _lines(composition: Composition) -> list[Item]:
 
 
 def line_notes(composition: Composition) -> list[Label]:
-    """Words along free lines and glazing, where the line is long enough on paper to carry them."""
+    """Words along free lines and glazing, where the line is long enough on paper to carry them; many lines carry their ids alone."""
     plan = composition.plan
-    worded = [_line_note(composition, line, f"{line.id}  {line.off_axis_deg:.1f}° off axis") for line in plan.free_lines]
-    worded += [_line_note(composition, pane, "glazing") for pane in plan.glazing]
+    few = len(plan.free_lines) <= WORDED_LINES
+    worded = [
+        _line_note(composition, line, f"{line.id}  {line.off_axis_deg:.1f}° off axis" if few else line.id) for line in plan.free_lines
+    ]
+    longest = sorted(plan.glazing, key=lambda pane: math.dist(pane.start, pane.end))[-1:]
+    worded += [_line_note(composition, pane, "glazing") for pane in longest]
     return [label for label in worded if label is not None]
 
 
@@ -119,6 +124,8 @@ def dimension_items(composition: Composition, placed: PlacedDimension) -> list[I
     """Dimension line, extension lines, oblique strokes and text."""
     layer, axis = Layer.DIMENSION, placed.dimension.axis
     items: list[Item] = [Stroke(layer, _on_paper(composition, placed.line_reach))]
+    if placed.leader is not None:
+        items.append(Stroke(layer, _on_paper(composition, placed.leader)))
     for feature, end, extended in zip((placed.dimension.start, placed.dimension.end), placed.line, placed.extended, strict=True):
         foot, tip = composition.paper(feature), composition.paper(end)
         half = TICK_MM / 2

@@ -7,7 +7,7 @@ from floorplan.model.plan import Plan
 from floorplan.writers.composition import Composition
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.sheet_size import Box
-from floorplan.writers.unit_style import NORMAL_95
+from floorplan.writers.unit_style import MILLIMETRE_M, NORMAL_95
 
 ROW_MM = 8.5
 CAPTION_MM = 1.2  # capital height of the small captions
@@ -90,7 +90,7 @@ def floor_text(project: ProjectConfig, plan: Plan) -> str:
 
 def accuracy_text(plan: Plan) -> str:
     """Median and worst 95 % half width of the dimensions, in millimetres."""
-    halves = sorted(NORMAL_95 * dimension.sigma_m * 1000 for dimension in plan.dimensions)
+    halves = sorted(max(NORMAL_95 * dimension.sigma_m / MILLIMETRE_M, 1.0) for dimension in plan.dimensions)
     if not halves:
         return "no dimensions"
     return f"±{halves[len(halves) // 2]:.0f} mm median, ±{halves[-1]:.0f} mm worst of {len(halves)}"

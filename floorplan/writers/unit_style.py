@@ -6,6 +6,7 @@ from fractions import Fraction
 from floorplan.errors import ConfigError
 
 NORMAL_95 = 1.96  # two-sided 95 % of a normal distribution, in standard deviations
+MILLIMETRE_M = 0.001  # finest step of metric texts
 METRES_PER_FOOT = 0.3048
 INCHES_PER_FOOT = 12
 INCH_STEP = Fraction(1, 8)  # finest fraction shown: 3.2 mm, about what a scan is good for
@@ -53,16 +54,16 @@ def length_text(length_m: float, units: UnitStyle) -> str:
     """A length alone: `5.432 m`, `5432 mm` or `17'-9 7/8"`."""
     if not units.metric:
         return feet_and_inches(length_m)
-    return f"{length_m:.3f} m" if units.name == "m" else f"{length_m * 1000:.0f} mm"
+    millimetres = round(length_m * 1000)  # a whole number: never "-0"
+    return f"{millimetres / 1000:.3f} m" if units.name == "m" else f"{millimetres} mm"
 
 
 def plus_minus_text(sigma_m: float, units: UnitStyle) -> str:
-    """The 95 % half width: `±0.012`, `±12` or `±1/2"` (rounded up to the step shown, so that it never reads as zero)."""
+    """The 95 % half width: `±0.012`, `±12` or `±1/2"`, never below the step shown: no distance is known exactly."""
     half = NORMAL_95 * sigma_m
-    if units.name == "m":
-        return f"±{half:.3f}"
-    if units.name == "mm":
-        return f"±{half * 1000:.0f}"
+    if units.metric:
+        half = max(half, MILLIMETRE_M)
+        return f"±{half:.3f}" if units.name == "m" else f"±{half * 1000:.0f}"
     steps = max(1, -int(-(half / METRES_PER_FOOT * INCHES_PER_FOOT) // float(INCH_STEP)))
     return f"±{_inches(steps * INCH_STEP)}"
 
@@ -74,9 +75,18 @@ def distance_text(distance_m: float, sigma_m: float, units: UnitStyle) -> str:
 
 def area_text(area_m2: float, sigma_m2: float, units: UnitStyle) -> str:
     """`23.45 m² ±0.12` or `252.4 sq ft ±1.3` (95 %)."""
-    if units.metric:
-        return f"{area_m2:.2f} m² ±{NORMAL_95 * sigma_m2:.2f}"
-    return f"{area_m2 / SQUARE_METRES_PER_SQUARE_FOOT:.1f} sq ft ±{NORMAL_95 * sigma_m2 / SQUARE_METRES_PER_SQUARE_FOOT:.1f}"
+    return f"{area_number(area_m2, units)} {'m²' if units.metric else 'sq ft'} ±{area_interval(sigma_m2, units)}"
+
+
+def area_number(area_m2: float, units: UnitStyle) -> str:
+    """The area alone, without its unit."""
+    return f"{area_m2:.2f}" if units.metric else f"{area_m2 / SQUARE_METRES_PER_SQUARE_FOOT:.1f}"
+
+
+def area_interval(sigma_m2: float, units: UnitStyle) -> str:
+    """Its 95 % half width, never below the step shown."""
+    half = NORMAL_95 * sigma_m2
+    return f"{max(half, 0.01):.2f}" if units.metric else f"{max(half / SQUARE_METRES_PER_SQUARE_FOOT, 0.1):.1f}"
 
 
 def ceiling_text(height_m: float | None, sigma_m: float | None, units: UnitStyle) -> str:
