@@ -27,7 +27,7 @@ def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: 
     if not segments.compiled_before():
         work.reporter.message("first use: compiling the front end for this machine, once; about half a minute")
     store, show = work.chunks(SEGMENTS), work.reporter.progress("segments")
-    prior = store.get("prior", CompassPrior, lambda: survey(scan, source, config.compass, work.reporter.progress("compass")))
+    prior = store.get("prior", CompassPrior, lambda: survey(scan, source, config.compass, work.reporter.progress("compass"), jobs))
     parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))
     stride = segments.grid_stride(scan.recording.sensor, config.segments)
 

@@ -43,39 +43,61 @@ class YawEstimate:
     share: float
 
 
-def upright_directions(normals: SurfaceNormals, level_from_sensor: Array, step: int = 1) -> Directions:
+@dataclass(frozen=True)
+class UprightSurfaces:
+    """Upright normals of one frame whose windows may yet turn out too rough: `azimuth_rad (K,)`, `weight (K,)` and `misfit (K,)`, the
+    windows' rms in what the noise model expects, all float32; `piece` how many independent pieces of surface a pixel stands for."""
+
+    azimuth_rad: Array
+    weight: Array
+    misfit: Array
+    piece: float
+
+    def directions(self, noise_scale: float = 1.0) -> Directions:
+        """The ones whose windows fit, where readings are `noise_scale` as noisy as the model says."""
+        fits = self.misfit < _MAX_RESIDUAL_SIGMAS * noise_scale
+        count = np.count_nonzero(fits)
+        return Directions(self.azimuth_rad[fits], self.weight[fits], max(count * self.piece, 1.0) if count else 0.0)
+
+
+NOTHING_UPRIGHT = UprightSurfaces(*(np.zeros(0, np.float32),) * 3, 0.0)
+
+
+def upright_surfaces(normals: SurfaceNormals, level_from_sensor: Array, step: int = 1, max_noise_scale: float = 1.0) -> UprightSurfaces:
     """The upright surfaces of a frame, weighted by how well their normals are known; every `step`-th pixel."""
-    azimuth, weight, mean_range = _upright(
-        normals.normal, normals.sigma_rad, normals.residual_m, normals.noise_m, normals.weight, normals.range_m, level_from_sensor, step
+    most = _MAX_RESIDUAL_SIGMAS * max_noise_scale
+    fields, mean_range = _upright(
+        normals.normal, normals.sigma_rad, normals.residual_m, normals.noise_m, normals.weight, normals.range_m, level_from_sensor, step, most
     )
     shape = normals.weight.shape
-    sweep = min(shape) == 1
     pixel_m = mean_range * _VIEW_RAD / max(shape) * step
-    pieces = len(azimuth) * (pixel_m / _CORRELATION_M if sweep else (pixel_m / _CORRELATION_M) ** 2)
-    return Directions(azimuth, weight, max(pieces, 1.0) if len(azimuth) else 0.0)
+    piece = pixel_m / _CORRELATION_M if min(shape) == 1 else (pixel_m / _CORRELATION_M) ** 2
+    return UprightSurfaces(fields[0], fields[1], fields[2], piece)
 
 
 @compiled
 def _upright(
-    normal: Array, sigma: Array, residual: Array, noise: Array, weight: Array, range_m: Array, level: Array, step: int
-) -> tuple[Array, Array, float]:
+    normal: Array, sigma: Array, residual: Array, noise: Array, weight: Array, range_m: Array, level: Array, step: int, most: float
+) -> tuple[Array, float]:
+    """Azimuth, weight and misfit (3, K) float32 of the upright normals whose misfit is less than `most`; their mean range."""
     height, width, _ = normal.shape
-    azimuth, weights = np.empty(height * width), np.empty(height * width)
+    found = np.empty((3, height * width), np.float32)
     count, range_sum = 0, 0.0
     for i in range(0, height, step if height > 1 else 1):
         for j in range(0, width, step):
-            if not residual[i, j] < _MAX_RESIDUAL_SIGMAS * noise[i, j]:
+            if not residual[i, j] < most * noise[i, j]:
                 continue
             n0, n1, n2 = normal[i, j, 0], normal[i, j, 1], normal[i, j, 2]
             if abs(level[2, 0] * n0 + level[2, 1] * n1 + level[2, 2] * n2) >= _MAX_TILT_SIN:
                 continue
             x = level[0, 0] * n0 + level[0, 1] * n1 + level[0, 2] * n2
             y = level[1, 0] * n0 + level[1, 1] * n1 + level[1, 2] * n2
-            azimuth[count] = math.atan2(y, x)
-            weights[count] = weight[i, j] / (sigma[i, j] ** 2 + _SURFACE_SIGMA_RAD**2)
+            found[0, count] = math.atan2(y, x)
+            found[1, count] = weight[i, j] / (sigma[i, j] ** 2 + _SURFACE_SIGMA_RAD**2)
+            found[2, count] = residual[i, j] / noise[i, j]
             range_sum += range_m[i, j]
             count += 1
-    return azimuth[:count].copy(), weights[:count].copy(), range_sum / max(count, 1)
+    return found[:, :count].copy(), range_sum / max(count, 1)
 
 
 def quarter_histogram(directions: Directions) -> Array:

@@ -2,27 +2,39 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
-from floorplan.compass.directions import BIN_RAD, QUARTER_RAD, Directions, quarter_histogram, refine_yaw, upright_directions
+from floorplan.compass.directions import (
+    BIN_RAD,
+    NOTHING_UPRIGHT,
+    QUARTER_RAD,
+    Directions,
+    UprightSurfaces,
+    quarter_histogram,
+    refine_yaw,
+    upright_surfaces,
+)
 from floorplan.compass.path import best_path, step_sigma_rad
 from floorplan.compass.prior import CompassPrior, heading_walk
 from floorplan.compass.smoothing import smooth_angle
 from floorplan.config import CompassConfig
 from floorplan.errors import InputError
 from floorplan.geometry import level_from_sensor, wrap_to
-from floorplan.grid.normals import NoiseScale, SurfaceNormals, pixel_weights, surface_normals
+from floorplan.grid.normals import NoiseScale, pixel_weights, surface_normals
 from floorplan.model.checks import Array
-from floorplan.model.scan import IngestedScan, SensorKind
-from floorplan.readers.base import BadFrame, Source
+from floorplan.model.scan import Frame, IngestedScan, Sensor, SensorKind
+from floorplan.readers.base import Source
 
 Progress = Callable[[int, int], None]
 
 _GRID_PX = 88  # columns kept of a camera's image: 1 degree each, enough for normals
 _FRAME_SPACING = 4  # every fourth keyframe of a camera
 _MAX_SPACING_M = 0.8  # ... but never further apart than this
+_PART_FRAMES = 16  # looked at by one thread at a time
 _WINDOW_M = 0.35
 _NORMAL_SIGMA_RAD = math.radians(2.0)
 _NOISE_QUANTILE = 0.3  # edges only ever raise a window's residual
@@ -42,15 +54,17 @@ class _Odometry:
     step_m: Array
 
 
-def survey(scan: IngestedScan, source: Source, config: CompassConfig, progress: Progress = lambda done, total: None) -> CompassPrior:
-    """The prior yaw of every keyframe. Raises InputError when gravity is unknown or no frame can be read."""
+def survey(
+    scan: IngestedScan, source: Source, config: CompassConfig, progress: Progress = lambda done, total: None, jobs: int = 1
+) -> CompassPrior:
+    """The prior yaw of every keyframe, looked for on `jobs` threads. Raises InputError when gravity is unknown or no frame can be read."""
     odometry = _levelled_odometry(scan)
     if config.method == "entropy":
         from floorplan.compass.entropy import entropy_survey
 
         return entropy_survey(scan, source, odometry.level_from_sensor, odometry.turn_rad, odometry.step_m, progress)
     sample = _sample(scan, odometry.step_m)
-    noise_scale, directions = _look(scan, source, sample, odometry, progress)
+    noise_scale, directions = _look(scan, source, sample, odometry, progress, jobs)
     histograms = np.stack([quarter_histogram(d) for d in directions])
     sample_turn = np.abs(np.add.reduceat(np.concatenate((np.abs(odometry.turn_rad), [0.0])), sample)[:-1])
     peak = histograms.argmax(axis=1) * BIN_RAD
@@ -85,32 +99,49 @@ def _sample(scan: IngestedScan, step_m: Array) -> Array:
     return np.array(chosen)
 
 
-def _look(scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry, progress: Progress) -> tuple[float, list[Directions]]:
+@dataclass(frozen=True)
+class _Glance:
+    """What one sampled frame showed: `noise_ratio` of its windows to the model, NaN where it has none, and its upright surfaces."""
+
+    noise_ratio: float
+    upright: UprightSurfaces
+
+
+def _look(
+    scan: IngestedScan, source: Source, sample: Array, odometry: _Odometry, progress: Progress, jobs: int
+) -> tuple[float, list[Directions]]:
     """Noise scale of the sensor and the upright directions of each sampled frame (empty ones where a frame is bad)."""
     sensor = scan.recording.sensor
     stride = max(1, sensor.width // _GRID_PX) if sensor.kind is SensorKind.CAMERA else 1
-    ratios: list[float] = []
-    kept: list[SurfaceNormals | None] = []
-    for done, frame in enumerate(source.frames(scan.keyframe[sample], stride)):
-        if isinstance(frame, BadFrame):
-            kept.append(None)
-        else:
-            weight = pixel_weights(frame.points, frame.confidence)
-            normals = surface_normals(frame.points, weight, sensor, NoiseScale(), _WINDOW_M, _NORMAL_SIGMA_RAD)
-            ratio = (normals.residual_m / normals.noise_m)[weight > 0]
-            ratio = ratio[np.isfinite(ratio)]
-            if len(ratio):
-                ratios.append(float(np.quantile(ratio, _NOISE_QUANTILE)))
-            kept.append(normals)
-        progress(done + 1, len(sample))
-    if not ratios:
+
+    def look(part: Array) -> list[_Glance]:
+        frames = source.frames(scan.keyframe[part].tolist(), stride)
+        return [
+            _glance(frame, sensor, odometry.level_from_sensor[k]) if isinstance(frame, Frame) else _Glance(math.nan, NOTHING_UPRIGHT)
+            for frame, k in zip(frames, part, strict=True)
+        ]
+
+    parts = np.split(sample, range(_PART_FRAMES, len(sample), _PART_FRAMES))
+    found: list[list[_Glance]] = []
+    with ThreadPoolExecutor(jobs) as pool:
+        for glances in pool.map(look, parts):
+            found.append(glances)
+            progress(min(len(found) * _PART_FRAMES, len(sample)), len(sample))
+    seen = list(chain.from_iterable(found))
+    ratios = np.array([glance.noise_ratio for glance in seen])
+    if not np.isfinite(ratios).any():
         raise InputError("No frame with usable depth was found in the recording.")
-    scale = float(np.clip(np.median(ratios), *_NOISE_SCALE_RANGE))
-    nothing = Directions(np.zeros(0), np.zeros(0), 0.0)
-    return scale, [
-        nothing if k is None else upright_directions(replace(k, noise_m=k.noise_m * scale), odometry.level_from_sensor[sample[i]])
-        for i, k in enumerate(kept)
-    ]
+    scale = float(np.clip(np.nanmedian(ratios), *_NOISE_SCALE_RANGE))
+    return scale, [glance.upright.directions(scale) for glance in seen]
+
+
+def _glance(frame: Frame, sensor: Sensor, level_from_sensor: Array) -> _Glance:
+    weight = pixel_weights(frame.points, frame.confidence)
+    normals = surface_normals(frame.points, weight, sensor, NoiseScale(), _WINDOW_M, _NORMAL_SIGMA_RAD)
+    ratio = normals.residual_m[weight > 0] / normals.noise_m[weight > 0]
+    ratio = ratio[np.isfinite(ratio)]
+    upright = upright_surfaces(normals, level_from_sensor, max_noise_scale=_NOISE_SCALE_RANGE[1])
+    return _Glance(float(np.quantile(ratio, _NOISE_QUANTILE)) if len(ratio) else math.nan, upright)
 
 
 def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array, odometry: _Odometry, noise_scale: float) -> CompassPrior:

@@ -17,7 +17,7 @@ from floorplan.reporting import Progress
 
 SEARCH_FRAMES = 60  # for the recording as a whole
 MEASURED_FRAMES = 600  # at most, for the wander of the vertical
-GRID_CELLS = 160  # columns of the thinned grid: normals need no more
+GRID_CELLS = 80  # columns of the thinned grid: normals of floors and walls need no more
 WORLD_UP = np.array([0.0, 0.0, 1.0])  # the convention of motion capture, robots and most SLAM systems
 ALIGNED_RAD = np.deg2rad(1.0)  # a world whose z is vertical to this was made so
 WANDER_RAD = np.deg2rad(1.5)  # spread of the vertical over its smooth mean in such a world

@@ -10,13 +10,13 @@ from floorplan.model.scan import NoiseModel
 
 SEARCH_RAD = np.deg2rad(12.0)  # about the prediction: the odometry bends by less between two looks at a floor
 NARROW_RAD = np.deg2rad(6.0)  # noise of one normal
-MIN_POINTS = 80  # of the thinned grid
+MIN_POINTS = 20  # of the thinned grid: a degree each way
 MIN_SPREAD_M = 0.25  # root mean square extent of a surface in its short direction; smaller ones tilt with their noise
 BIN_M = 0.05
 LEVELS = 3  # floor, ceiling, a table
 BAND_SIGMAS = 3.0
 MIN_BAND_M = 0.03
-CORRELATED_POINTS = 25.0  # neighbouring depths err together: so many points count as one
+CORRELATED_POINTS = 6.0  # neighbouring depths err together: so many points of the thinned grid count as one
 SYSTEMATIC_RAD = np.deg2rad(0.3)  # depth ripple tilts a surface however many points it has
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from floorplan.model.checks import Array
 
-BLUR_CELLS = 5  # box over which inverse depth is averaged
-STEP_CELLS = 3  # half the base line of the central difference: the boxes just do not touch
+BLUR_CELLS = 3  # box over which inverse depth is averaged: some 3 degrees of a camera's view
+STEP_CELLS = 2  # half the base line of the central difference: the boxes just do not touch
 MIN_FILLED = 0.8  # share of a box with depth; less is an edge or a hole
 MAX_STEP = 0.06  # relative change of inverse depth that the local plane does not explain: a depth edge inside the stencil
 

@@ -19,7 +19,7 @@ STEADY_PERCENTILE = 15.0  # so many of 100 frames may look steeply up or down
 MIN_STEADINESS = 0.5  # cosine: the image's up within 60 degrees of the vertical in the other frames
 WIDE_RAD, MIDDLE_RAD = np.deg2rad(25.0), np.deg2rad(12.0)  # normals taken for horizontal while closing in on the vertical
 MIN_SHARE = 0.02  # of all normals that must be vertical
-POINTS_PER_FRAME = 4000  # enough for a share of 2 %
+POINTS_PER_FRAME = 2000  # enough for a share of 2 %
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ UPRIGHT_RAD = np.deg2rad(8.0)  # a normal so close to level belongs to a wall
 ROBUST_RAD = np.deg2rad(2.5)  # noise of one normal; chairs and people beyond it count little
 WALL_SIGMA_RAD = np.deg2rad(0.5)  # systematic, in the direction a wall faces
 HORIZONTAL_SIGMA_RAD = np.deg2rad(1.5)  # systematic: what such depth errors do to a floor 1.4 m below the sensor
-FULL_POINTS = 300.0  # fewer wall points of one direction on the thinned grid are trusted less
+FULL_POINTS = 75.0  # fewer wall points of one direction on the thinned grid are trusted less
 ROUNDS = 8
 MAX_SIGMA_RAD = np.deg2rad(2.0)  # a worse one is no measurement
 

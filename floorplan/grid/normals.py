@@ -7,16 +7,20 @@ for any window at the cost of four look-ups; a sweep (1 x N) is the same fit wit
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from floorplan.compiled import compiled
+from floorplan.compiled import compiled, inlined
 from floorplan.model.checks import Array
-from floorplan.model.scan import Sensor
+from floorplan.model.scan import NoiseModel, Sensor
 
 _CHANNELS = 11  # weight, six of r r^T, three of r / rho, 1 / rho^2
 _MAX_WINDOW_M = 0.8  # beyond this a window bridges corners
 _MAX_HALF_WINDOW_PX = 24  # ... and a close surface needs no more pixels than this
+_BINS_PER_M = 100.0  # windows are chosen by range to the centimetre
+_RANGE_BIN_M = 1.0 / _BINS_PER_M
+_FARTHEST_M = 100.0  # beyond, windows stay as they are there: nothing indoors
 _RIDGE = 1e-9  # of the trace: decides the direction a level sweep cannot see
 _MIN_FILL = 0.6  # share of a window that must have returned
 _MIN_COS_INCIDENCE = 0.06  # 86.5 degrees: beyond, one pixel's footprint is longer than the window
@@ -59,7 +63,10 @@ def surface_normals(
     """Normals of `points (H, W, 3)`: windows of `window_m`, larger where noise would make the normal worse than `normal_sigma_rad`."""
     ray_step = sensor.ray_step_rad * (sensor.width / points.shape[1])
     model = np.array((sensor.noise.constant_m, sensor.noise.linear, sensor.noise.quadratic_per_m)) * noise.pixel
-    fields = _fit_windows(np.ascontiguousarray(points), weight, model, ray_step, window_m, normal_sigma_rad, noise.normal)
+    scale, flat = noise.pixel * noise.normal, len(points) == 1
+    farthest_m = min(sensor.max_range_m, _FARTHEST_M)
+    half_px = _half_windows_px(sensor.noise, scale, ray_step, window_m, normal_sigma_rad, farthest_m, flat)
+    fields = _fit_windows(np.ascontiguousarray(points), weight, model, half_px, ray_step, noise.normal)
     return SurfaceNormals(*fields, weight)
 
 
@@ -67,7 +74,8 @@ def surface_normals(
 def _ray_tables(points: Array, weight: Array) -> Array:
     """Summed-area tables (H + 1, W + 1, channels) of the fit's sums. Row sums are kept in scalars: registers, not memory."""
     height, width, _ = points.shape
-    table = np.zeros((height + 1, width + 1, _CHANNELS))
+    table = np.empty((height + 1, width + 1, _CHANNELS))
+    table[0], table[:, 0] = 0.0, 0.0
     for i in range(height):
         s0, s1, s2, s3, s4, s5, s6, s7, s8, s9, s10 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         above, row = table[i], table[i + 1]
@@ -95,50 +103,47 @@ def _ray_tables(points: Array, weight: Array) -> Array:
     return table
 
 
-@compiled
-def _half_window_px(range_m: float, sigma_m: float, ray_step: float, window_m: float, normal_sigma: float, flat: bool) -> int:
-    """Half window: `window_m` across, and more until the fitted normal is as sure as asked."""
+@lru_cache(maxsize=32)
+def _half_windows_px(noise: NoiseModel, scale: float, ray_step: float, window_m: float, normal_sigma: float, farthest_m: float, flat: bool) -> Array:
+    """Half window per `_RANGE_BIN_M` of range: `window_m` across, and more until the fitted normal is as sure as asked."""
+    range_m = (np.arange(math.ceil(farthest_m / _RANGE_BIN_M) + 1) + 0.5) * _RANGE_BIN_M
     pixel_m = range_m * ray_step
-    metric = int(0.5 * window_m / pixel_m + 0.5)
+    metric = np.floor(0.5 * window_m / pixel_m + 0.5)
     # sigma / (spread sqrt(count)) = normal_sigma with spread = pixel half / sqrt(3): count 2 half + 1 or its square.
-    need = math.sqrt(3.0) * sigma_m / (normal_sigma * pixel_m)
-    sure = (0.5 * need * need) ** (1.0 / 3.0) if flat else 0.25 * (math.sqrt(1.0 + 8.0 * need) - 1.0)
-    largest = min(int(0.5 * _MAX_WINDOW_M / pixel_m + 0.5), _MAX_HALF_WINDOW_PX)
-    return max(min(max(metric, math.ceil(sure)), largest), 2 if flat else 1)
+    need = math.sqrt(3.0) * scale * noise.sigma_m(range_m) / (normal_sigma * pixel_m)
+    sure = (0.5 * need * need) ** (1.0 / 3.0) if flat else 0.25 * (np.sqrt(1.0 + 8.0 * need) - 1.0)
+    largest = np.minimum(np.floor(0.5 * _MAX_WINDOW_M / pixel_m + 0.5), _MAX_HALF_WINDOW_PX)
+    return np.maximum(np.minimum(np.maximum(metric, np.ceil(sure)), largest), 2 if flat else 1).astype(np.int64)
 
 
-@compiled
-def _plane(low: Array, right: Array, below: Array, high: Array, least: float) -> tuple[float, float, float, float, float]:
-    """The plane `g` that a window's sums give, by L D L^T, and the window's weight and sum of squares; weight 0 where it gives none.
+@inlined
+def _plane(table: Array, top: int, bottom: int, left: int, right: int, total: float) -> tuple[float, float, float, float, float]:
+    """The plane that a window's sums give: `g` times the determinant, the determinant (0: no plane), the sum of squared residuals.
 
-    The four corners of the window in the tables; `least` weight it must hold.
+    `total` weight of the window. By cofactors: one division.
     """
-    s0 = high[0] - right[0] - below[0] + low[0]
-    if s0 < least:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    ridge = _RIDGE * s0
-    s2, s3 = high[2] - right[2] - below[2] + low[2], high[3] - right[3] - below[3] + low[3]
-    i0 = 1.0 / (high[1] - right[1] - below[1] + low[1] + ridge)
-    l10, l20 = s2 * i0, s3 * i0
-    d1 = high[4] - right[4] - below[4] + low[4] + ridge - l10 * s2
-    m21 = high[5] - right[5] - below[5] + low[5] - l20 * s2
-    i1 = 1.0 / d1
-    l21 = m21 * i1
-    d2 = high[6] - right[6] - below[6] + low[6] + ridge - l20 * s3 - l21 * m21
-    if d1 <= 0 or d2 <= 0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    s7, s8 = high[7] - right[7] - below[7] + low[7], high[8] - right[8] - below[8] + low[8]
-    s9 = high[9] - right[9] - below[9] + low[9]
-    y1 = s8 - l10 * s7
-    g2 = (s9 - l20 * s7 - l21 * y1) / d2
-    g1 = y1 * i1 - l21 * g2
-    g0 = s7 * i0 - l10 * g1 - l20 * g2
-    return g0, g1, g2, s0, high[10] - right[10] - below[10] + low[10] - g0 * s7 - g1 * s8 - g2 * s9
+    low, beside, below, high = table[top, left], table[top, right], table[bottom, left], table[bottom, right]
+    ridge = _RIDGE * total
+    xx = high[1] - beside[1] - below[1] + low[1] + ridge
+    xy = high[2] - beside[2] - below[2] + low[2]
+    xz = high[3] - beside[3] - below[3] + low[3]
+    yy = high[4] - beside[4] - below[4] + low[4] + ridge
+    yz = high[5] - beside[5] - below[5] + low[5]
+    zz = high[6] - beside[6] - below[6] + low[6] + ridge
+    c00, c01, c02 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    c11, c12, c22 = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    determinant = max(xx * c00 + xy * c01 + xz * c02, 0.0)
+    s7 = high[7] - beside[7] - below[7] + low[7]
+    s8 = high[8] - beside[8] - below[8] + low[8]
+    s9 = high[9] - beside[9] - below[9] + low[9]
+    g0, g1, g2 = c00 * s7 + c01 * s8 + c02 * s9, c01 * s7 + c11 * s8 + c12 * s9, c02 * s7 + c12 * s8 + c22 * s9
+    square = high[10] - beside[10] - below[10] + low[10] - (g0 * s7 + g1 * s8 + g2 * s9) / determinant
+    return g0, g1, g2, determinant, square
 
 
 @compiled
 def _fit_windows(
-    points: Array, weight: Array, noise: Array, ray_step: float, window_m: float, normal_sigma: float, normal_scale: float
+    points: Array, weight: Array, noise: Array, half_px: Array, ray_step: float, normal_scale: float
 ) -> tuple[Array, Array, Array, Array, Array]:
     height, width, _ = points.shape
     table = _ray_tables(points, weight)
@@ -147,30 +152,30 @@ def _fit_windows(
     sigma = np.full((height, width), np.nan, np.float32)
     residual = np.full((height, width), np.nan, np.float32)
     expected = np.full((height, width), np.nan, np.float32)
-    flat = height == 1
     for i in range(height):
         for j in range(width):
             if weight[i, j] <= 0:
                 continue
             x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
-            rho = math.sqrt(x * x + y * y + z * z)
-            sigma_m = noise[0] + noise[1] * rho + noise[2] * rho * rho
+            square_range = x * x + y * y + z * z
+            rho = math.sqrt(square_range)
+            sigma_m = noise[0] + noise[1] * rho + noise[2] * square_range
             expected[i, j] = sigma_m
-            half = _half_window_px(rho, sigma_m * normal_scale, ray_step, window_m, normal_sigma, flat)
+            half = half_px[min(int(rho * _BINS_PER_M), len(half_px) - 1)]
             top, bottom = max(i - half, 0), min(i + half + 1, height)
             left, right = max(j - half, 0), min(j + half + 1, width)
             least = _MIN_FILL * weight[i, j] * (bottom - top) * (right - left)
-            upper, lower = table[top], table[bottom]
-            g0, g1, g2, total, square = _plane(upper[left], upper[right], lower[left], lower[right], least)
-            if total == 0:
+            total = table[bottom, right, 0] - table[top, right, 0] - table[bottom, left, 0] + table[top, left, 0]
+            if total < least:
                 continue
-            size = math.sqrt(g0 * g0 + g1 * g1 + g2 * g2)
-            along = (g0 * x + g1 * y + g2 * z) / rho
-            if along <= _MIN_COS_INCIDENCE * size:
+            g0, g1, g2, determinant, square = _plane(table, top, bottom, left, right, total)
+            along = g0 * x + g1 * y + g2 * z
+            square_size = g0 * g0 + g1 * g1 + g2 * g2
+            if determinant <= 0 or along <= 0 or along * along <= _MIN_COS_INCIDENCE * _MIN_COS_INCIDENCE * square_size * square_range:
                 continue
-            fitted[i, j] = 1.0 / along
-            residual[i, j] = math.sqrt(max(square, 0.0) / total) * rho * rho
-            spread_m = rho * ray_step * math.sqrt((half * half + half) / 3.0)
-            sigma[i, j] = normal_scale * sigma_m / (spread_m * math.sqrt(total))
-            normal[i, j, 0], normal[i, j, 1], normal[i, j, 2] = -g0 / size, -g1 / size, -g2 / size
+            fitted[i, j] = determinant * rho / along
+            residual[i, j] = math.sqrt(max(square, 0.0) / total) * square_range
+            sigma[i, j] = normal_scale * sigma_m / (rho * ray_step * math.sqrt((half * half + half) / 3.0 * total))
+            size = 1.0 / math.sqrt(square_size)
+            normal[i, j, 0], normal[i, j, 1], normal[i, j, 2] = -g0 * size, -g1 * size, -g2 * size
     return normal, fitted, sigma, residual, expected

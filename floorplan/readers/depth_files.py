@@ -10,7 +10,7 @@ import numpy as np
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Problem
-from floorplan.readers.depth_images import png_head
+from floorplan.readers.png import png_head
 
 DEPTH_BITS = 16
 

@@ -9,6 +9,7 @@ import numpy as np
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, Intrinsics, Problem, Recording
 from floorplan.readers.base import BadFrame
+from floorplan.readers.png import read_png
 
 BEST_CONFIDENCE = 2
 
@@ -60,16 +61,14 @@ class DepthImages:
 
     def _decoded(self, path: Path) -> "Array | Problem":
         """The raw image, or what is wrong with it."""
-        import cv2
-
-        image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        image = read_png(path)
         if image is None:
             return Problem("png-unreadable", "image cannot be read", str(path), advice="copy the recording again")
         sensor = self.recording.sensor
         if image.shape != (sensor.height, sensor.width):
             found = " x ".join(str(n) for n in image.shape[1::-1])
             return Problem("png-wrong-size", f"image is {found}, the others {sensor.width} x {sensor.height}", str(path))
-        return np.asarray(image)
+        return image
 
     def _points(self, index: int, raw: Array, stride: int) -> Array:
         """Points (H, W, 3) float32 of the strided image: z = depth, x = z (u - cx) / fx, y = z (v - cy) / fy."""
@@ -88,36 +87,6 @@ class DepthImages:
         if isinstance(image, Problem):
             return image
         return np.ascontiguousarray(np.minimum(image[::stride, ::stride], BEST_CONFIDENCE), dtype=np.uint8)
-
-
-@dataclass(frozen=True)
-class PngHead:
-    """What the first and last bytes of a PNG say, without decoding it."""
-
-    width: int
-    height: int
-    bits: int
-    whole: bool  # it ends as a PNG must: not cut off
-
-
-PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
-PNG_END = b"IEND\xaeB`\x82"
-GREY = 0  # PNG colour type
-PNG_HEAD_BYTES = 26  # signature, chunk length, "IHDR", width, height, bit depth, colour type
-
-
-def png_head(path: Path) -> PngHead | None:
-    """Size and depth of a greyscale PNG from its first bytes; None when the file is no greyscale PNG or cannot be read."""
-    try:
-        with path.open("rb") as file:
-            head = file.read(PNG_HEAD_BYTES)
-            file.seek(-min(len(PNG_END), len(head)), 2)
-            tail = file.read()
-    except OSError:
-        return None  # "cannot be read" is exactly what None says here
-    if len(head) < PNG_HEAD_BYTES or not head.startswith(PNG_SIGNATURE) or head[25] != GREY:
-        return None
-    return PngHead(int.from_bytes(head[16:20], "big"), int.from_bytes(head[20:24], "big"), head[24], tail == PNG_END)
 
 
 def scaled_intrinsics(colour: Intrinsics, width: int, height: int) -> Intrinsics:

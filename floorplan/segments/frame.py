@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.compass.directions import QUARTER_RAD, refine_yaw, upright_directions
+from floorplan.compass.directions import QUARTER_RAD, refine_yaw, upright_surfaces
 from floorplan.compass.prior import CompassPrior
 from floorplan.compiled import compiled, on_disk
 from floorplan.config import SegmentsConfig
@@ -92,7 +92,7 @@ def _frame_rotation(normals: SurfaceNormals, prior: CompassPrior, index: int) ->
     level, yaw, sigma = prior.level_from_sensor[index], float(prior.yaw_rad[index]), float(prior.yaw_sigma_rad[index])
     if prior.final:
         return FrameRotation(rotation_about_z(np.asarray(yaw)) @ level, sigma, bool(prior.measured[index]))
-    directions = upright_directions(normals, level, 1 if len(normals.weight) == 1 else _YAW_PIXEL_STEP)
+    directions = upright_surfaces(normals, level, 1 if len(normals.weight) == 1 else _YAW_PIXEL_STEP).directions()
     estimate = refine_yaw(directions, -yaw, max(_YAW_HALF_WIDTH_RAD, 3 * sigma))
     if estimate is None or estimate.share < _WEAK_SHARE:
         return FrameRotation(rotation_about_z(np.asarray(yaw)) @ level, sigma, False)
