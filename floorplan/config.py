@@ -29,8 +29,8 @@ class IngestConfig:
 
     # "refine" matches each sweep with those before, "rgbd" makes poses from depth and colour; auto: lasers, and recordings without poses
     odometry: Literal["auto", "recorded", "refine", "rgbd"] = "auto"
-    keyframe_distance_m: float = 0.15  # a frame that moved less ...
-    keyframe_view_share: float = 0.06  # ... and turned by less of its view's width since the last keyframe shows nothing new
+    keyframe_distance_m: float = 0.10  # a frame that moved less ...
+    keyframe_angle_deg: float = 4.0  # ... and turned less than this since the last keyframe shows nothing new
     keyframe_gap_s: float = 1.0  # one keyframe at least this often
     laser_keyframe_distance_m: float = 0.10  # sweeps between are placed by matching; many at one place carry no news ...
     laser_keyframe_angle_deg: float = 3.0  # ... but a turn brings new beams into view: a little more densely than a camera's
@@ -135,7 +135,7 @@ class PlanConfig:
     wall_band_high_m: float = 1.95  # ... and below door lintels: here a wall is hit and an opening is seen through
     min_wall_length_m: float = 0.20  # a jamb, a recess; shorter pieces are not told from clutter
     min_free_length_m: float = 0.60  # of a wall off the axes; its direction is not known well from less
-    min_frames: int = 2  # what stood in fewer keyframes may have been passing by
+    min_frames: int = 3  # what stood in fewer keyframes may have been passing by
     min_thickness_m: float = 0.05  # thinnest partition
     max_thickness_m: float = 0.60  # thickest wall; farther apart two faces are a shaft or a room
     max_door_width_m: float = 1.3  # wider openings join two rooms into one

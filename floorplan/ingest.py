@@ -17,8 +17,6 @@ from floorplan.reporting import Progress, no_progress
 from floorplan.rgbd_odometry import with_rgbd_odometry
 from floorplan.sweep_matching import refine_odometry, with_level_poses
 
-WIDEST_VIEW_RAD = np.deg2rad(100.0)  # a sensor that looks all round sees the same after any turn, but its yaw is to be followed
-
 
 def ingest(source: Source, config: IngestConfig, progress: Progress = no_progress) -> IngestedScan:
     """The recording with gravity known, problems counted, and the frames to look at.
@@ -77,8 +75,7 @@ def keyframes_of(recording: Recording, config: IngestConfig) -> Array:
     """Rows (F,) of the frames that changed the view; sweeps cost little and are chosen more densely."""
     laser = recording.sensor.kind is SensorKind.LASER
     distance_m = config.laser_keyframe_distance_m if laser else config.keyframe_distance_m
-    view_rad = min(recording.sensor.ray_step_rad * recording.sensor.width, WIDEST_VIEW_RAD)
-    angle_rad = float(np.deg2rad(config.laser_keyframe_angle_deg)) if laser else config.keyframe_view_share * view_rad
+    angle_deg = config.laser_keyframe_angle_deg if laser else config.keyframe_angle_deg
     first = frozen_start(recording)
     rows = slice(first, None)
     chosen = select_keyframes(
@@ -86,7 +83,7 @@ def keyframes_of(recording: Recording, config: IngestConfig) -> Array:
         recording.position_m[rows],
         recording.odom_from_sensor[rows],
         distance_m,
-        angle_rad,
+        float(np.deg2rad(angle_deg)),
         config.keyframe_gap_s,
     )
     return chosen + first
