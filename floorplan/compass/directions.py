@@ -67,7 +67,8 @@ def upright_surfaces(normals: SurfaceNormals, level_from_sensor: Array, step: in
     """The upright surfaces of a frame, weighted by how well their normals are known; every `step`-th pixel."""
     most = _MAX_RESIDUAL_SIGMAS * max_noise_scale
     fields, mean_range = _upright(
-        normals.normal, normals.sigma_rad, normals.residual_m, normals.noise_m, normals.weight, normals.range_m, level_from_sensor, step, most
+        *(normals.normal, normals.sigma_rad, normals.residual_m, normals.noise_m, normals.weight, normals.range_m),
+        *(level_from_sensor, step, most),
     )
     shape = normals.weight.shape
     pixel_m = mean_range * _VIEW_RAD / max(shape) * step

@@ -104,7 +104,9 @@ def _ray_tables(points: Array, weight: Array) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _half_windows_px(noise: NoiseModel, scale: float, ray_step: float, window_m: float, normal_sigma: float, farthest_m: float, flat: bool) -> Array:
+def _half_windows_px(
+    noise: NoiseModel, scale: float, ray_step: float, window_m: float, normal_sigma: float, farthest_m: float, flat: bool
+) -> Array:
     """Half window per `_RANGE_BIN_M` of range: `window_m` across, and more until the fitted normal is as sure as asked."""
     range_m = (np.arange(math.ceil(farthest_m / _RANGE_BIN_M) + 1) + 0.5) * _RANGE_BIN_M
     pixel_m = range_m * ray_step
@@ -113,7 +115,8 @@ def _half_windows_px(noise: NoiseModel, scale: float, ray_step: float, window_m:
     need = math.sqrt(3.0) * scale * noise.sigma_m(range_m) / (normal_sigma * pixel_m)
     sure = (0.5 * need * need) ** (1.0 / 3.0) if flat else 0.25 * (np.sqrt(1.0 + 8.0 * need) - 1.0)
     largest = np.minimum(np.floor(0.5 * _MAX_WINDOW_M / pixel_m + 0.5), _MAX_HALF_WINDOW_PX)
-    return np.maximum(np.minimum(np.maximum(metric, np.ceil(sure)), largest), 2 if flat else 1).astype(np.int64)
+    half = np.maximum(np.minimum(np.maximum(metric, np.ceil(sure)), largest), 2 if flat else 1)
+    return np.asarray(half.astype(np.int64))
 
 
 @inlined

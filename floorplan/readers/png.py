@@ -67,7 +67,7 @@ class _Chunks:
 
 
 def decode_grey(content: bytes) -> Array | None:
-    """The image (H, W), uint8 or uint16, of a PNG file's `content`; None unless it is whole, greyscale of 8 or 16 bit, and not interlaced."""
+    """The image (H, W), uint8 or uint16, of a PNG file's `content`; None unless whole, grey of 8 or 16 bit, not interlaced."""
     chunks = _chunks(content)
     if chunks is None:
         return None
