@@ -7,13 +7,26 @@ from pathlib import Path
 
 from floorplan.config import ReadConfig
 from floorplan.errors import InputError, UsageError
+from floorplan.readers.arkitscenes import ArkitScenesReader
 from floorplan.readers.base import BadFrame, Reader, Source
 from floorplan.readers.carmen import CarmenReader
+from floorplan.readers.polycam import PolycamReader
 from floorplan.readers.ros import RosReader
+from floorplan.readers.scanner3d import Scanner3dReader
+from floorplan.readers.scannet import ScanNetReader
 from floorplan.readers.stray import StrayReader
 from floorplan.readers.tum import TumReader
 
-READERS: tuple[Reader, ...] = (StrayReader(), TumReader(), CarmenReader(), RosReader())
+READERS: tuple[Reader, ...] = (
+    StrayReader(),
+    TumReader(),
+    Scanner3dReader(),
+    PolycamReader(),
+    ArkitScenesReader(),
+    ScanNetReader(),
+    CarmenReader(),
+    RosReader(),
+)
 
 __all__ = ["READERS", "BadFrame", "Reader", "Source", "open_scan", "reader_for"]
 

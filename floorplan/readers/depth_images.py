@@ -19,8 +19,8 @@ class DepthImages:
     """A `Source` of pinhole depth images, one file per row of `recording`.
 
     `focal_px (N, 2)`, `centre_px (N, 2)`: fx, fy and cx, cy of each depth image; pixel centres at whole numbers.
-    `confidence_paths` is None where the format has no confidence images, `colour_paths` unless brightness is asked for: images of
-    the same view as the depth.
+    `confidence_paths` is None where the format has no confidence images, whose values are 0, 1, 2 times `confidence_step`;
+    `colour_paths` unless brightness is asked for: images of the same view as the depth.
     """
 
     recording: Recording
@@ -30,6 +30,7 @@ class DepthImages:
     centre_px: Array
     confidence_paths: tuple[Path, ...] | None = None
     colour_paths: tuple[Path, ...] | None = None
+    confidence_step: int = 1
 
     def frames(self, indices: Iterable[int], stride: int = 1) -> Iterator[Frame | BadFrame]:
         """See `Source.frames`."""
@@ -86,7 +87,8 @@ class DepthImages:
         image = self._decoded(self.confidence_paths[index])
         if isinstance(image, Problem):
             return image
-        return np.ascontiguousarray(np.minimum(image[::stride, ::stride], BEST_CONFIDENCE), dtype=np.uint8)
+        level = (image[::stride, ::stride].astype(np.uint16) + self.confidence_step // 2) // self.confidence_step
+        return np.ascontiguousarray(np.minimum(level, BEST_CONFIDENCE), dtype=np.uint8)
 
 
 def scaled_intrinsics(colour: Intrinsics, width: int, height: int) -> Intrinsics:

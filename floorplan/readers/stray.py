@@ -13,24 +13,19 @@ from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.geometry import rotation_from_quat_xyzw
 from floorplan.model.checks import Array
-from floorplan.model.scan import GravitySource, Intrinsics, NoiseModel, Problem, Recording, Sensor, SensorKind
+from floorplan.model.scan import GravitySource, Intrinsics, Problem, Recording, Sensor
 from floorplan.readers.depth_files import DepthFiles, look_at_depth_files
 from floorplan.readers.depth_images import DepthImages, scaled_intrinsics
 from floorplan.readers.depth_unit import depth_unit_problems
 from floorplan.readers.imu import ImuTable, fused_up
+from floorplan.readers.noise_models import phone_lidar
 from floorplan.readers.pose_table import PoseTable, number_from_text, stamp_ns_from_text, text_lines
 from floorplan.readers.row_checks import usable_rows
 from floorplan.readers.simulated import returns_to_start
-from floorplan.readers.world_up import down_in_sensor
+from floorplan.readers.world_up import ARKIT_UP, down_in_sensor
 
 COLOUR_WIDTH, COLOUR_HEIGHT = 1920, 1440  # the image camera_matrix.csv belongs to
 UNITS_PER_METRE = 1000.0  # depth in millimetres
-ARKIT_UP = np.array([0.0, 1.0, 0.0])
-# Against laser scanners: 1-3 cm within 5 m, growing with range (Luetzenburg et al. 2021, Sci. Rep. 11; Teo & Yang 2023,
-# Open Geosciences 15). The depth is densified by a network from a few hundred points, so neighbours err together.
-NOISE = NoiseModel(constant_m=0.006, linear=0.004)
-MIN_RANGE_M = 0.2
-MAX_RANGE_M = 6.5  # the LiDAR's range is 5 m; beyond it the confidence falls to 0 and the values end near 6.3 m
 POSE_COLUMNS = 9  # timestamp, frame, x, y, z, qx, qy, qz, qw
 LENS_COLUMNS = 4  # fx, fy, cx, cy
 
@@ -128,8 +123,7 @@ def _confidence_paths(path: Path, names: list[str]) -> tuple[tuple[Path, ...] | 
 
 def _sensor(files: DepthFiles, lens: Array) -> Sensor:
     fx, fy, cx, cy = np.median(lens, axis=0).tolist()
-    intrinsics = Intrinsics(files.width, files.height, fx, fy, cx, cy)
-    return Sensor(SensorKind.CAMERA, files.height, files.width, NOISE, MIN_RANGE_M, MAX_RANGE_M, 1.0 / fx, intrinsics)
+    return phone_lidar(Intrinsics(files.width, files.height, fx, fy, cx, cy))
 
 
 def _recording(path: Path, poses: PoseTable, sensor: Sensor, problems: tuple[Problem, ...]) -> Recording:

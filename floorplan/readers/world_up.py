@@ -6,6 +6,8 @@ from floorplan.errors import ConfigError
 from floorplan.model.checks import Array
 
 AXES = "xyz"
+ARKIT_UP = np.array([0.0, 1.0, 0.0])  # of the world in which iPhones and iPads track
+OPENCV_FROM_ARKIT = np.diag([1.0, -1.0, -1.0])  # ARKit's camera has y up and looks along -z
 
 
 def named_axis(name: str) -> Array:

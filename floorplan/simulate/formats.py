@@ -17,6 +17,7 @@ from floorplan.simulate.scene import Scene
 from floorplan.simulate.sensor import DepthCamera, Shot, pinhole_of
 from floorplan.simulate.walk import Walk
 from floorplan.simulate.write_carmen import CarmenWriter
+from floorplan.simulate.write_posed import LAYOUTS, PosedWriter
 from floorplan.simulate.write_ros import RosWriter
 from floorplan.simulate.write_stray import StrayWriter
 from floorplan.simulate.write_tum import TumWriter
@@ -72,6 +73,11 @@ def _ros_writer(kind: str, folder: Path, instrument: Any, seed: int) -> RosWrite
     return RosWriter(folder, instrument, kind)
 
 
+def _posed_writer(name: str, folder: Path, instrument: Any, seed: int) -> PosedWriter:
+    del seed  # nothing random in these formats
+    return PosedWriter(folder, instrument, LAYOUTS[name])
+
+
 def _as_drawn(scene: Scene) -> Scene:
     return scene
 
@@ -92,6 +98,7 @@ BAG_KINDS = ("ros1", "db3", "mcap")
 FORMATS = {
     "tum": Format(_as_drawn, _camera, TumWriter, 2),
     "stray": Format(_with_phone, _camera, StrayWriter, 2),
+    **{name: Format(_with_phone, _camera, partial(_posed_writer, name), 2) for name in LAYOUTS},
     "carmen": Format(_on_wheels, _laser, CarmenWriter, 1),
     **{kind: Format(_as_drawn, _camera, partial(_ros_writer, kind), 2) for kind in BAG_KINDS},
 }

@@ -34,8 +34,7 @@ class StrayWriter:
     def frame(self, index: int, shot: Shot) -> None:
         """One depth image and its confidence."""
         write_png16(self.folder / "depth" / f"{index:06d}.png", shot.depth_m * UNITS_PER_METRE)
-        sure = np.where(shot.depth_m < UNSURE_BEYOND_M, SURE, UNSURE)
-        write_png8(self.folder / "confidence" / f"{index:06d}.png", np.where(shot.surface == NO_SURFACE, BAD, sure))
+        write_png8(self.folder / "confidence" / f"{index:06d}.png", confidence_of(shot))
 
     def finish(self, walk: Walk, odometry: Odometry) -> None:
         """odometry.csv, camera_matrix.csv, imu.csv."""
@@ -63,6 +62,12 @@ class StrayWriter:
         for ns, a in zip(stamps.tolist(), force, strict=True):
             rows.append(f"{seconds_text(ns)}, " + ", ".join(f"{value:.6f}" for value in a) + ", 0.0, 0.0, 0.0")
         return rows
+
+
+def confidence_of(shot: Shot) -> Array:
+    """Confidence (H, W), 0 to 2, as ARKit gives it."""
+    sure = np.where(shot.depth_m < UNSURE_BEYOND_M, SURE, UNSURE)
+    return np.asarray(np.where(shot.surface == NO_SURFACE, BAD, sure))
 
 
 def _device_from_down(down_camera: Array) -> Array:
