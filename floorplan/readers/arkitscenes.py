@@ -50,7 +50,8 @@ class ArkitScenesReader:
 
 def _frames_folder(path: Path) -> Path | None:
     """The folder itself, or the one inside that 3dod downloads have."""
-    for folder in (path, *(sorted(path.glob("*_frames")) if path.is_dir() else ())):
+    inside: list[Path] = sorted(path.glob("*_frames")) if path.is_dir() else []
+    for folder in [path, *inside]:
         if (folder / DEPTH).is_dir() and (folder / TRAJECTORY).is_file():
             return folder
     return None

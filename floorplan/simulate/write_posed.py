@@ -12,7 +12,7 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Intrinsics
 from floorplan.simulate.odometry import Odometry
 from floorplan.simulate.png import write_png8, write_png16
-from floorplan.simulate.sensor import DepthCamera, Shot
+from floorplan.simulate.sensor import DepthCamera, Pinhole, Shot
 from floorplan.simulate.stamps import seconds_text
 from floorplan.simulate.walk import Walk
 from floorplan.simulate.write_stray import ARKIT_FROM_LEVEL, COLOUR_WIDTH, confidence_of
@@ -26,12 +26,14 @@ SCANNET_NS = 1_000_000_000 / 30
 
 @dataclass(frozen=True)
 class FrameFacts:
-    """One frame to write: number, stamp, `pose (4, 4)` camera-to-world in OpenCV axes and a z-up world, the colour image's lens."""
+    """One frame to write: number, stamp, `pose (4, 4)` camera-to-world in OpenCV axes and a z-up world, the lenses of
+    the colour and of the depth image."""
 
     number: int
     stamp_ns: int
     pose: Array
     colour: Intrinsics
+    depth: Pinhole
 
     def in_arkit(self) -> Array:
         """The pose (4, 4) in ARKit's axes: world +y up, camera y up."""
@@ -75,7 +77,7 @@ class PosedWriter:
         for index, stamp_ns in enumerate(walk.stamp_ns.tolist()):
             pose = np.eye(4)
             pose[:3, :3], pose[:3, 3] = odometry.odom_from_camera[index], odometry.position_m[index]
-            facts.append(FrameFacts(index, stamp_ns, pose, colour))
+            facts.append(FrameFacts(index, stamp_ns, pose, colour, self.camera))
             self._named(index, stamp_ns)
             self.layout.frame(self.folder, facts[-1])
         self.layout.whole(self.folder, facts)
@@ -89,7 +91,7 @@ class PosedWriter:
                 old.rename(new)
 
 
-def _colour_lens(camera: Intrinsics) -> Intrinsics:
+def _colour_lens(camera: Pinhole) -> Intrinsics:
     """The lens of the colour image that is COLOUR_WIDTH wide. Whole numbers are pixel centres, so the middle moves by half a pixel."""
     scale = COLOUR_WIDTH / camera.width
     cx, cy = (camera.cx + 0.5) * scale - 0.5, (camera.cy + 0.5) * scale - 0.5
@@ -148,15 +150,9 @@ def _scannet_frame(folder: Path, facts: FrameFacts) -> None:
 
 
 def _scannet_lens(folder: Path, frames: list[FrameFacts]) -> None:
-    """Of the depth image: the colour lens scaled back to the width of the first one."""
-    import cv2
-
-    lens = frames[0].colour
-    image = cv2.imread(str(next(iter(sorted((folder / "depth").glob("*.png"))))), cv2.IMREAD_UNCHANGED)
-    scale = image.shape[1] / lens.width
-    matrix = np.eye(4)
-    matrix[0, 0], matrix[1, 1] = lens.fx * scale, lens.fy * scale
-    matrix[0, 2], matrix[1, 2] = (lens.cx + 0.5) * scale - 0.5, (lens.cy + 0.5) * scale - 0.5
+    """Of the depth image."""
+    lens, matrix = frames[0].depth, np.eye(4)
+    matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2] = lens.fx, lens.fy, lens.cx, lens.cy
     _write_text(folder / "intrinsic" / "intrinsic_depth.txt", "\n".join(" ".join(f"{value:.9f}" for value in row) for row in matrix))
 
 
