@@ -14,7 +14,7 @@ def simulate(
     preset: Annotated[str, typer.Option("--preset", metavar="NAME", help="area1 .. area6, office, flat.")] = "flat",
     seed: Annotated[int, typer.Option("--seed", metavar="N", help="Another number, another building.")] = 1,
     hard: Annotated[bool, typer.Option("--hard", help="Depth biases, more drift, tall cabinets, open doors.")] = False,
-    format: Annotated[str, typer.Option("--format", metavar="NAME", help="tum, stray, ros1, db3, mcap, ...; a wrong one lists all.")] = "tum",
+    format: Annotated[str, typer.Option("--format", metavar="NAME", help="tum, stray, mcap, ...; a wrong name lists all.")] = "tum",
     sensor: Annotated[str, typer.Option("--sensor", help="lidar16: a spinning LiDAR (default: the format's).")] = "",
     path_scale: Annotated[float, typer.Option("--path-scale", min=0.05, metavar="X", help="Longer building and walk.")] = 1.0,
     odometry_error: Annotated[float | None, typer.Option("--odometry-error", min=0.0, metavar="X", help="0.02 is 2 %.")] = None,
