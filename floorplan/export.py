@@ -11,17 +11,20 @@ from floorplan.errors import WorkFolderError
 from floorplan.graph_file import save_graph
 from floorplan.initial_layout import InitialLayout, tracked_graph
 from floorplan.merge_table import MergeRow, merge_rows
+from floorplan.model.advice import Advice
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
+from floorplan.recording_advice import recording_advice
 from floorplan.reporting import Reporter
 from floorplan.results import Results, summary, trajectories
 from floorplan.site import on_site
+from floorplan.survey_advice import survey_advice
 from floorplan.work.disk import clear_disk_errors, new_file
 from floorplan.work.folder import read_owner
-from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
-from floorplan.work.status import StageState, current_owner, stages_status
+from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, STAGES, Stage
+from floorplan.work.status import StageState, StageStatus, current_owner, stages_status
 from floorplan.work.values import load_value
 
 T = TypeVar("T")
@@ -58,6 +61,16 @@ def read_results(work: Path) -> Results:
         solution=finished(work, RESOLVE, LayoutSolution),
         plan=with_known_ids(finished(work, PLAN, Plan), work),
     )
+
+
+def read_advice(work: Path, states: tuple[StageStatus, ...]) -> tuple[Advice, ...]:
+    """What would make the survey better, as far as the stages know that hold as they are."""
+    kept = {state.folder for state in states if state.state is StageState.KEPT}
+    if len(kept) == len(STAGES):
+        return survey_advice(read_results(work))
+    if INGEST.folder in kept:
+        return recording_advice(finished(work, INGEST, IngestedScan).recording)
+    return ()
 
 
 def export_graph(work: Path, config: Config, path: Path) -> None:

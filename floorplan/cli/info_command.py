@@ -44,15 +44,19 @@ def _print_facts(facts: "Inspection") -> None:
         ("time", f"{facts.duration_s:.1f} s, stamps {facts.first_stamp_s:.3f} to {facts.last_stamp_s:.3f}"),
         ("gaps", f"{facts.gaps}, the longest {facts.longest_gap_s:.1f} s" if facts.gaps else "none"),
         ("path", f"{facts.path_length_m:.1f} m"),
+        ("walk", f"up to {facts.speed_m_s:.1f} m/s, turns up to {facts.turn_deg_s:.0f} degrees a second"),
         ("gravity", facts.gravity_source + wander),
     ]
     if (lens := facts.intrinsics) is not None:
         rows.append(("intrinsics", f"fx {lens.fx:.2f}, fy {lens.fy:.2f}, cx {lens.cx:.2f}, cy {lens.cy:.2f} pixels of the depth image"))
     if facts.median_range_m is not None and facts.filled_share is not None:
         rows.append(("ranges", f"median {facts.median_range_m:.2f} m, {100 * facts.filled_share:.0f} % of pixels filled"))
+    rows.append(("build", f"about {facts.build_s:.0f} s on one core ({facts.build_basis})"))
     echo_table(rows)
     for problem in facts.problems:
         grade = "stops the build" if problem.fatal else "note"
         echo(f"{grade}: {problem.code}: {problem.message} ({problem.count}x, first: {problem.where}); {problem.advice}")
-    if not facts.problems:
+    for one in facts.advice:
+        echo(f"better: {one}")
+    if not facts.problems and not facts.advice:
         echo("nothing to complain about")

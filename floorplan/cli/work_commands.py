@@ -33,22 +33,40 @@ def status(work: o.Work, config: o.ConfigFile = None, settings: o.Settings = Non
 
 
 def _status_tree(work: Path, config: Path | None, settings: list[str] | None) -> dict[str, Any]:
+    from floorplan.export import read_advice
     from floorplan.work.folder import read_owner
 
     owner = read_owner(work)
-    stages = [asdict(state) for state in _states(work, config, settings)]
-    return {"scan": owner.scan, **({"scans": owner.scans} if owner.scans else {}), "format": owner.format, "stages": stages}
+    states = _states(work, config, settings)
+    advice = [asdict(one) for one in read_advice(work, states)]
+    several = {"scans": owner.scans} if owner.scans else {}
+    return {"scan": owner.scan, **several, "format": owner.format, "stages": [asdict(state) for state in states], "advice": advice}
 
 
 def _print_status(work: Path, config: Path | None, settings: list[str] | None) -> None:
+    from floorplan.export import read_advice
     from floorplan.work.folder import read_owner
 
-    owner = read_owner(work)
+    owner, states = read_owner(work), _states(work, config, settings)
     echo(f"{owner.scan} ({owner.format}{', joined' if owner.scans else ''})")
     echo_table(
         (s.folder, s.state, "" if s.seconds is None else f"{s.seconds:.1f} s", f"{s.size_bytes / 1e6:.1f} MB", "; ".join(s.reasons))
-        for s in _states(work, config, settings)
+        for s in states
     )
+    _print_next(states)
+    for one in read_advice(work, states):
+        echo(f"better: {one}")
+
+
+def _print_next(states: "tuple[StageStatus, ...]") -> None:
+    """What the next build would do, and how long that took last time."""
+    again = [state for state in states if state.state != "kept"]
+    if not again:
+        echo("everything is up to date: the next build makes no stage again")
+        return
+    known = [state.seconds for state in again if state.seconds is not None]
+    took = f"; they took {sum(known):.0f} s last time" if len(known) == len(again) else ""
+    echo(f"the next build makes {', '.join(state.folder for state in again)}{took}")
 
 
 def _states(work: Path, config: Path | None, settings: list[str] | None) -> "tuple[StageStatus, ...]":
