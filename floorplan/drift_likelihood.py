@@ -19,6 +19,8 @@ RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a varianc
 PART_FLOOR, PART_CEILING = 1e-3, 0.2  # parts of the step; beyond 20 % it is a fault, not drift
 SPANS = (np.log(2.0), np.log(1.6))  # half width of the parabola through three likelihoods, per sweep
 LARGEST_MOVE = 2.0  # spans; a parabola that opens downwards far away is not to be trusted
+LARGEST_DOUBT = 1.0  # variance of a logarithm: no wider than the priors below
+BEND_TINY = 1e-9
 FORGOTTEN = 1e-10  # share of a column not worth carrying on; at 1e-8 likelihoods still change by more than one
 TYPICAL_RATE, TYPICAL_PART, TYPICAL_SLOPE = 0.005, 0.01, 0.003  # odometry of cameras and wheels, where a short scan says nothing
 RATE_SPREAD, PART_SPREAD = 1.2, 1.0  # of their logarithms: factors of 3 either way are ordinary, of 10 happen
@@ -72,17 +74,23 @@ def most_likely(noise: ScanNoise, pieces: Sequence[Window]) -> ScanNoise:
 
 
 def _climb(value_at: Callable[[Array], float], start: Array) -> Array:
-    """Coordinate search for the largest value, a parabola through three values at a time."""
-    at, best = start, value_at(start)
+    """Logarithms of the mean variances' roots: coordinate search for the largest value, a parabola through three values at a time.
+
+    A size whose logarithm is known to `tau` has the mean variance `exp(2 at + 2 tau^2)`, so its root lies `tau^2` above the likeliest
+    one; `tau` is that of the last parabolas. Without it intervals of short walks, which know these sizes least, are too narrow.
+    """
+    at, best, doubt = start, value_at(start), np.zeros(len(start))
     for span in SPANS:
         for k in range(len(at)):
             step = np.zeros(len(at))
             step[k] = span
             low, high = value_at(at - step), value_at(at + step)
-            place = at + step * _top_of_parabola(low, best, high)
+            middle = best
+            place = at + step * _top_of_parabola(low, middle, high)
             options = [(best, at), (low, at - step), (high, at + step), (value_at(place), place)]
             best, at = max(options, key=lambda option: option[0])
-    return at
+            doubt[k] = min(span**2 / max(2 * middle - low - high, BEND_TINY), LARGEST_DOUBT)
+    return at + doubt
 
 
 def _top_of_parabola(low: float, middle: float, high: float) -> float:
@@ -97,7 +105,7 @@ def _likelihood(noise: ScanNoise, factor: float, asked: Sequence[_Asked], axes: 
     total = 0.0
     for piece in asked:
         drift, vertical = _over_lumps(noise.drift, piece.frames), _over_lumps(noise.vertical, piece.frames)
-        thin = replace(noise, drift=drift, vertical=vertical, sigma_m=piece.sigma_m * factor)
+        thin = replace(noise, drift=drift, vertical=vertical, sigma_m=piece.sigma_m * factor, step_m=None)
         system = build_system(piece.graph, thin, axes, FORGOTTEN)
         total += log_marginal_likelihood(system.reduced)
     if not np.isfinite(total):

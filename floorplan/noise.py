@@ -46,9 +46,15 @@ def _with_heading(noise: ScanNoise, heading_sigma_rad: float) -> ScanNoise:
     return replace(noise, drift=within_bounds(replace(noise.drift, sideways_sigma=sideways)))
 
 
+def with_steps(noise: ScanNoise, position_m: Array) -> ScanNoise:
+    """The noise with the steps between solved positions (N, 3) as what the odometry's rates are parts of."""
+    return replace(noise, step_m=np.diff(position_m, axis=0))
+
+
 def windowed(noise: ScanNoise, window: Window) -> ScanNoise:
     """The noise of one window's rows."""
-    return replace(noise, sigma_m=noise.sigma_m[window.rows])
+    step = None if noise.step_m is None else noise.step_m[window.first_frame : window.first_frame + len(window.graph.translation_m)]
+    return replace(noise, sigma_m=noise.sigma_m[window.rows], step_m=step)
 
 
 def _first_sigma(graph: LayoutGraph, usable: Array, pooled_m: float) -> Array:
@@ -88,7 +94,8 @@ def _with_lonely_tracks(graph: LayoutGraph, sigma_m: Array) -> Array:
 
 def _reweighted(graph: LayoutGraph, noise: ScanNoise, usable: Array, pieces: list[Window]) -> ScanNoise:
     """One step of iteratively reweighted least squares: residuals, a sigma per track, robust weights."""
-    residual = np.where(usable, _residuals(graph, noise, pieces), 0.0)
+    fitted, step = _solved(graph, noise, pieces)
+    residual = np.where(usable, graph.distance_m - fitted, 0.0)
     shape = _shape(graph)
     least = np.full(len(graph.axis), np.inf)
     np.minimum.at(least, graph.track, noise.sigma_m / shape)  # the sigma of a row that fits well is that of its track
@@ -100,12 +107,12 @@ def _reweighted(graph: LayoutGraph, noise: ScanNoise, usable: Array, pieces: lis
     weight = _robust_weight(residual / own)
     sigma = np.where(usable, own / np.sqrt(weight), np.inf)
     outliers = int((usable & (weight < OUTLIER_WEIGHT)).sum())
-    return replace(noise, sigma_m=_with_lonely_tracks(graph, sigma), outliers=outliers)
+    return replace(noise, sigma_m=_with_lonely_tracks(graph, sigma), outliers=outliers, step_m=step)
 
 
-def _residuals(graph: LayoutGraph, noise: ScanNoise, pieces: list[Window]) -> Array:
-    """Residuals (K,) of every row after least squares window by window."""
-    residual = np.zeros(len(graph.track))
+def _solved(graph: LayoutGraph, noise: ScanNoise, pieces: list[Window]) -> tuple[Array, Array]:
+    """Fitted distance (K,) of every row and fitted steps (N-1, 3), by least squares window by window."""
+    fitted, step = graph.distance_m.copy(), graph.translation_m.copy()
     for window in pieces:
         g = window.graph
         for axes in (LEVEL_AXES, UPRIGHT_AXES):
@@ -116,6 +123,6 @@ def _residuals(graph: LayoutGraph, noise: ScanNoise, pieces: list[Window]) -> Ar
             place, offset = positions(system, columns), np.zeros(len(g.axis))
             offset[system.tracks] = columns[: len(system.tracks)]
             mine = np.nonzero(np.isin(g.axis[g.track], axes))[0]
-            predicted = offset[g.track[mine]] - place[g.frame[mine], g.axis[g.track[mine]] - axes[0]]
-            residual[window.rows[mine]] = g.distance_m[mine] - predicted
-    return residual
+            fitted[window.rows[mine]] = offset[g.track[mine]] - place[g.frame[mine], g.axis[g.track[mine]] - axes[0]]
+            step[window.first_frame : window.first_frame + len(g.translation_m), list(axes)] = np.diff(place, axis=0)
+    return fitted, step

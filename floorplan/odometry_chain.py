@@ -40,21 +40,24 @@ def plain_chain(translation_m: Array, weight: Array) -> Chain:
     return builder.chain(pinned=1)
 
 
-def joint_chain(translation_m: Array, drift: DriftModel, links: Links = NO_LINKS) -> Chain:
+def joint_chain(translation_m: Array, drift: DriftModel, links: Links = NO_LINKS, step_m: Array | None = None) -> Chain:
     """x and y together, states (px, py, s, w) and one dense column g, the global scale.
 
-    `p_{i+1} - p_i - (s_i + g) t_i - w_i J t_i = t_i`, J a quarter turn; `s` and `w` are AR(1) in the path length.
+    `p_{i+1} - p_i - (s_i + g) u_i - w_i J u_i = t_i`, J a quarter turn; `s` and `w` are AR(1) in the path length. `u_i` is the true step
+    as far as it is known: `step_m (N-1, 2 or 3)`, of an earlier solution; None: `t_i` itself, whose error is in the rates as well, so that
+    passes that came out short weigh more and long distances come out short by about twice the variance of `s`.
     """
     t = translation_m[:, :2]
+    u = t if step_m is None else step_m[:, :2]
     count = len(t) + 1
     builder = _Builder(count, 4, 1)
     builder.add_prior(0, (0.0, 0.0, drift.scale_sigma**-2, drift.sideways_sigma**-2))
-    variance = np.repeat(step_variance_m2(t, drift)[:, None], 2, axis=1)
-    variance[links.row] = links.sigma_m[:, :2] ** 2
-    felt = t.copy()  # the step that rates and scale act on
+    felt = u.copy()  # the step that rates and scale act on
     felt[links.row] = 0.0
+    variance = np.repeat(step_variance_m2(u, drift)[:, None], 2, axis=1)
+    variance[links.row] = links.sigma_m[:, :2] ** 2
     _add_steps(builder, t, felt, variance)
-    _add_rates(builder, t, drift, links)
+    _add_rates(builder, u, drift, links)
     builder.dense_information += drift.global_scale_sigma**-2
     builder.log_weight -= 2 * np.log(drift.global_scale_sigma)
     return builder.chain(pinned=2)
@@ -95,15 +98,15 @@ def _add_steps(builder: "_Builder", t: Array, felt: Array, variance: Array) -> N
     builder.add_rows(here, there, -felt[:, :, None], t, 1.0 / variance)
 
 
-def _add_rates(builder: "_Builder", t: Array, drift: DriftModel, links: Links) -> None:
-    length = np.maximum(np.linalg.norm(t, axis=1), STEP_FLOOR_M)
+def _add_rates(builder: "_Builder", u: Array, drift: DriftModel, links: Links) -> None:
+    length = np.maximum(np.linalg.norm(u, axis=1), STEP_FLOOR_M)
     memory = _memory(length, drift.correlation_m, links)
-    here, there = np.zeros((len(t), 2, 4)), np.zeros((len(t), 2, 4))
+    here, there = np.zeros((len(u), 2, 4)), np.zeros((len(u), 2, 4))
     here[:, 0, SCALE] = here[:, 1, SIDEWAYS] = -memory
     there[:, 0, SCALE] = there[:, 1, SIDEWAYS] = 1.0
     sizes = np.array([drift.scale_sigma, drift.sideways_sigma])
     weight = 1.0 / ((1 - memory**2)[:, None] * sizes**2)
-    builder.add_rows(here, there, None, np.zeros((len(t), 2)), weight)
+    builder.add_rows(here, there, None, np.zeros((len(u), 2)), weight)
 
 
 class _Builder:

@@ -33,7 +33,7 @@ def build_system(graph: LayoutGraph, noise: ScanNoise, axes: tuple[int, ...], fo
     links = Links(graph.link, graph.link_sigma_m)
     level = axes == LEVEL_AXES
     steps = graph.translation_m
-    chain = joint_chain(steps, noise.drift, links) if level else upright_chain(steps, noise.vertical, links)
+    chain = joint_chain(steps, noise.drift, links, noise.step_m) if level else upright_chain(steps, noise.vertical, links)
     return AxisSystem(axes, tracks, eliminate(chain, rows, len(tracks), forgotten))
 
 

@@ -11,11 +11,12 @@ from floorplan.model.graph import LayoutGraph
 
 @dataclass(frozen=True)
 class Window:
-    """A stretch: its graph, and which rows (R,) and tracks (T,) of the whole graph it holds."""
+    """A stretch: its graph, and which rows (R,) and tracks (T,) of the whole graph it holds, from which frame on."""
 
     graph: LayoutGraph
     rows: Array
     tracks: Array
+    first_frame: int
 
 
 def windows(graph: LayoutGraph, frames: int) -> list[Window]:
@@ -47,4 +48,4 @@ def _window(graph: LayoutGraph, rows: Array, low: int, high: int) -> Window:
         graph.extent_m[tracks],
         None if graph.sigma_m is None else graph.sigma_m[rows],
     )
-    return Window(piece, rows, tracks)
+    return Window(piece, rows, tracks, low)

@@ -14,7 +14,7 @@ from floorplan.merge.hypotheses import Pairs
 from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult
 from floorplan.model.noise import ScanNoise
-from floorplan.noise import estimate_noise
+from floorplan.noise import estimate_noise, with_steps
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, AxisSystem, build_system, positions
 from floorplan.weighted_resolve import weighted_resolve
 
@@ -120,6 +120,6 @@ def _result(graph: LayoutGraph, noise: ScanNoise, plane_of_track: Array, hypothe
         objective=float(np.abs(offset[hypotheses.first] - offset[hypotheses.second]).sum()),
         delta_m=solved.residual_m,
         residual_m=solved.residual_m,
-        noise=noise,
+        noise=with_steps(noise, solved.position_m),
     )
 

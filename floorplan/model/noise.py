@@ -38,7 +38,8 @@ class ScanNoise:
 
     `sigma_m (K,)` effective standard deviation of every measurement (down-weighted rows have a larger one, rejected
     rows infinity); `bias_sigma_m` error that all rows of one track share; `drift` of x and y, `vertical` of z;
-    `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more.
+    `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more. `step_m (N-1, 3)` the steps as last
+    solved, of which scale and sideways rates are parts; None: none solved yet, odometry's own serve.
     """
 
     sigma_m: Array
@@ -47,6 +48,7 @@ class ScanNoise:
     vertical: VerticalDrift
     flipped: int = 0
     outliers: int = 0
+    step_m: Array | None = None
 
     def __post_init__(self) -> None:
-        freeze(self, {"sigma_m": (np.float64, ("K",))})
+        freeze(self, {"sigma_m": (np.float64, ("K",)), "step_m": (np.float64, ("T", 3))})

@@ -62,7 +62,7 @@ def simulate(
     )
     noise = seed if noise_seed is None else noise_seed
     scene = chosen.scene(replace(drawn, seed=noise, walk=walk_part.of(drawn.walk)))
-    odometry = _odometry(scene, walk_part.seeds(noise, 79), hard, odometry_error)
+    odometry = odometry_of(scene, walk_part.seeds(noise, 79), hard, odometry_error)
     parts = storey_surfaces(scene.storeys)
     surfaces = tuple(surface for part in parts for surface in part)
     instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
@@ -77,8 +77,8 @@ def simulate(
     (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
 
 
-def _odometry(scene: Scene, seeds: list[int], hard: bool, error: float | None) -> Odometry:
-    rng = np.random.default_rng(seeds)
+def odometry_of(scene: Scene, seeds: list[int], hard: bool, error: float | None) -> Odometry:
+    """The odometry of a scene's walk, drawn from `seeds`; `error` as in `simulate`, None: as the preset and `hard` have it."""
     low, high = hard_facts.ODOMETRY_ERROR
     drawn = float(rng.uniform(low, high))
     if error is None and hard:

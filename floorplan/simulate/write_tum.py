@@ -32,13 +32,19 @@ class TumWriter:
         stamps = [seconds_text(ns) for ns in walk.stamp_ns.tolist()]
         names = [f"{stamp} depth/{index:06d}.png" for index, stamp in enumerate(stamps)]
         _write(self.folder / "depth.txt", ["# timestamp filename", *names])
-        numbers = np.column_stack((odometry.position_m, quat_xyzw_from_rotation(odometry.odom_from_camera)))
-        rows = [f"{stamp} " + " ".join(f"{value:.7f}" for value in row) for stamp, row in zip(stamps, numbers, strict=True)]
-        _write(self.folder / "odometry.txt", ["# timestamp tx ty tz qx qy qz qw", *rows])
+        write_odometry(self.folder, walk, odometry)
         camera = self.pinhole
         facts = {"width": camera.width, "height": camera.height, "fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
         errors = {"range_scale_sigma": self.accuracy.scale_sigma, "range_bias_sigma": self.accuracy.bias_sigma_m}
         (self.folder / "intrinsics.json").write_text(json.dumps({**facts, "depth_scale": DEPTH_SCALE, **errors}, indent=1) + "\n")
+
+
+def write_odometry(folder: Path, walk: Walk, odometry: Odometry) -> None:
+    """odometry.txt."""
+    numbers = np.column_stack((odometry.position_m, quat_xyzw_from_rotation(odometry.odom_from_camera)))
+    stamps = [seconds_text(ns) for ns in walk.stamp_ns.tolist()]
+    rows = [f"{stamp} " + " ".join(f"{value:.7f}" for value in row) for stamp, row in zip(stamps, numbers, strict=True)]
+    _write(folder / "odometry.txt", ["# timestamp tx ty tz qx qy qz qw", *rows])
 
 
 def _write(path: Path, lines: list[str]) -> None:

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.config import LeastSquaresConfig, MergeConfig
+from floorplan.config import LeastSquaresConfig, MergeConfig, ResolveConfig
 from floorplan.least_squares import least_squares
 from floorplan.merge import merge
 from floorplan.model.graph import LayoutSolution
 from floorplan.model.noise import ScanNoise
+from floorplan.resolve import resolve
 from floorplan.weighted_resolve import weighted_resolve
 from tests.bench.back_end import agreement
 from tests.bench.scenes import PAPER_SCENES, Errors, Scene, paper_scene
@@ -61,7 +62,7 @@ def quality(scene: Scene) -> Quality:
     merged = merge(graph, solution, MergeConfig())
     if merged.noise is None:
         raise ValueError("the default method weights its rows")
-    resolved = weighted_resolve(graph, merged.plane_of_track, merged.noise)
+    resolved = resolve(graph, merged, ResolveConfig())
     taken = time.process_time() - start
     true = np.unique(scene.plane_of_track, return_inverse=True)[1]
     return Quality(judge(scene, resolved), judge(scene, weighted_resolve(graph, true, merged.noise)), merged.noise, taken)
