@@ -79,6 +79,7 @@ def simulate(
 
 def odometry_of(scene: Scene, seeds: list[int], hard: bool, error: float | None) -> Odometry:
     """The odometry of a scene's walk, drawn from `seeds`; `error` as in `simulate`, None: as the preset and `hard` have it."""
+    rng = np.random.default_rng(seeds)
     low, high = hard_facts.ODOMETRY_ERROR
     drawn = float(rng.uniform(low, high))
     if error is None and hard:
