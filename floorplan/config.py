@@ -177,6 +177,7 @@ class ProjectConfig:
     surveyor: str = ""
     client: str = ""
     north_deg: float | None = None  # where north lies, degrees counter-clockwise from the plan's +y; None: not known, no arrow
+    map_crs: str = ""  # what IFC calls the site grid of --control: "EPSG:25832"; empty: "site grid"
 
 
 @dataclass(frozen=True)

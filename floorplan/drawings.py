@@ -42,6 +42,10 @@ def tables_in(folder: Path) -> tuple[Drawing, ...]:
 
 def check_drawings(drawings: tuple[Drawing, ...]) -> None:
     """Raise `UsageError` before any work is done when a drawing could not be written at the end."""
+    if any(drawing.format == "ifc" for drawing in drawings):
+        from floorplan.writers.ifc_model import need_ifcopenshell
+
+        need_ifcopenshell()
     for drawing in drawings:
         if not drawing.path.parent.is_dir():
             raise UsageError(f"{drawing.path}: there is no folder {drawing.path.parent}; make it first")

@@ -14,12 +14,14 @@ HOMES = {  # the one module, or folder, that may import the library
     "open3d": ("open3d_library.py",),
     "libusb_package": ("open3d_library.py",),
     "ezdxf": ("writers/",),
+    "ifcopenshell": ("writers/",),
     "matplotlib": ("writers/",),
     "rosbags": ("readers/", "simulate/ros_messages.py"),
     "typer": ("cli/",),
     "rich": ("cli/",),
 }
-AT_THE_TOP = ("cvxpy", "clarabel", "open3d", "ezdxf", "rosbags", "matplotlib", "rich")  # too slow to import before they are needed
+# too slow to import before they are needed
+AT_THE_TOP = ("cvxpy", "clarabel", "open3d", "ezdxf", "ifcopenshell", "rosbags", "matplotlib", "rich")
 TOP = {"cli", "build", "export", "results", "drawings", "initial_layout", "chunked_segments", "stage_counts", "stage_functions"}
 TOP |= {"frame_export", "report", "write_report", "corrections", "plan_names", "merge_table", "solve_graph", "__main__"}
 TOP |= {"build_several", "view", "write_view", "placed_points", "compare", "survey_advice"}

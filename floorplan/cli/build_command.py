@@ -27,6 +27,7 @@ def build(
     png: o.Png = None,
     json: o.JsonFile = None,
     geojson: o.Geojson = None,
+    ifc: o.Ifc = None,
     csv: o.Csv = None,
     report: o.Report = None,
     work: Annotated[Path | None, typer.Option("--work", metavar="DIR", help="Work folder (default: SCAN.floorplan).")] = None,
@@ -66,7 +67,7 @@ def build(
     from floorplan.build import build as run
     from floorplan.corrections import with_edits, with_laser, with_site, with_start
 
-    drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, ifc=ifc, report=report)
     effective = with_site(with_start(with_edits(with_laser(effective, laser), edits), start), control, north)
     job = Job(scans[0], work or o.default_work(*scans), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     if len(scans) == 1:

@@ -31,6 +31,7 @@ Pdf = Annotated[Path | None, typer.Option("--pdf", metavar="FILE", help="Sheet t
 Png = Annotated[Path | None, typer.Option("--png", metavar="FILE", help="Picture.")]
 JsonFile = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="The plan as data.")]
 Geojson = Annotated[Path | None, typer.Option("--geojson", metavar="FILE", help="The plan for GIS.")]
+Ifc = Annotated[Path | None, typer.Option("--ifc", metavar="FILE", help="Building model, IFC4 (needs the extra 'ifc').")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="DIR", help="Tables: dimensions.csv and rooms.csv in this folder.")]
 Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="A page with the plan, its numbers and its problems (HTML).")]
 Trim = Annotated[

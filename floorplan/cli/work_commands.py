@@ -85,6 +85,7 @@ def export(
     png: o.Png = None,
     json: o.JsonFile = None,
     geojson: o.Geojson = None,
+    ifc: o.Ifc = None,
     csv: o.Csv = None,
     report: o.Report = None,
     graph: Annotated[Path | None, typer.Option("--graph", metavar="F.npz", help="The layout graph, for 'floorplan solve'.")] = None,
@@ -106,11 +107,12 @@ def export(
     if frame is not None:
         _export_frame(work, frame, png, o.effective_config(config or work / "config.toml", settings))
         png = None
-        if not any((dxf, svg, pdf, json, geojson, csv, report, graph)):
+        if not any((dxf, svg, pdf, json, geojson, ifc, csv, report, graph)):
             return
-    drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, report=report)
+    drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, ifc=ifc, report=report)
     if not drawings and graph is None:
-        raise UsageError("nothing to write: give at least one of --dxf, --svg, --pdf, --png, --json, --geojson, --csv, --report, --graph")
+        options = ("dxf", "svg", "pdf", "png", "json", "geojson", "ifc", "csv", "report", "graph")
+        raise UsageError(f"nothing to write: give at least one of {', '.join(f'--{name}' for name in options)}")
     read_owner(work)
     from floorplan.corrections import with_site
     from floorplan.export import export as run

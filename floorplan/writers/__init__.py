@@ -104,6 +104,12 @@ def _rooms(job: Job) -> bytes:
     return rooms_csv(job.plan)
 
 
+def _ifc(job: Job) -> bytes:
+    from floorplan.writers.ifc import ifc_bytes
+
+    return ifc_bytes(job.plan, job.project, job.facts)
+
+
 def _report(job: Job) -> bytes:
     from floorplan.writers.html_summary import html_bytes
 
@@ -119,6 +125,7 @@ _TABLE = (
     Writer("geojson", "the plan as features in plan metres, for GIS", _geojson),
     Writer("dimensions", "dimensions.csv, with an empty column to fill on site", _dimensions),
     Writer("rooms", "rooms.csv, the room schedule", _rooms),
+    Writer("ifc", "IFC4 building model: storeys, walls, spaces, doors, with their accuracy (needs the extra 'ifc')", _ifc),
     Writer("report", "a short HTML page that needs no network", _report),
 )
 WRITERS = {writer.name: writer for writer in _TABLE}

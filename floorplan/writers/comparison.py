@@ -110,8 +110,6 @@ def _dxf(items: list[ChangeLine | ChangeText], scale: Scale) -> bytes:
                 space.add_lwpolyline(item.points, dxfattribs={"layer": item.change.value})
             else:
                 rotation = 90.0 if item.upwards else 0.0
-                text = space.add_text(
-                    item.text, height=scale.model_m(TEXT_MM), rotation=rotation, dxfattribs={"layer": item.change.value}
-                )
+                text = space.add_text(item.text, height=scale.model_m(TEXT_MM), rotation=rotation, dxfattribs={"layer": item.change.value})
                 text.set_placement(item.at, align=TextEntityAlignment.BOTTOM_CENTER)
         return document_bytes(document, "")
