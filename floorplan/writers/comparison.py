@@ -27,7 +27,7 @@ def comparison_bytes(kind: str, first: Plan, comparison: Comparison, drawing: Dr
     items = comparison_items(first, comparison)
     extents = _both(plan_extents(first), plan_extents(comparison.second_plan))
     sheet = sheet_named(drawing.sheet)
-    scale = choose_scale(drawing.scale, extents.x1 - extents.x0, extents.y1 - extents.y0, sheet.drawing, True)
+    scale = choose_scale(drawing.scale, lambda _: extents, sheet.drawing, True)
     if kind == "dxf":
         return _dxf(items, scale)
     scene, title = _scene(items, comparison, sheet, scale, extents), f"{comparison.first} and {comparison.second}"

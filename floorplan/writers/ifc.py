@@ -115,7 +115,7 @@ class _Storey:
         )
         thickness = group[0].thickness_m
         self.model.quantities(
-            entity, "Qto_WallBaseQuantities", {"Width": thickness and ("Length", thickness), "Height": ("Length", height)}
+            entity, "Qto_WallBaseQuantities", {"Width": None if thickness is None else ("Length", thickness), "Height": ("Length", height)}
         )
         return entity
 

@@ -17,7 +17,6 @@ from floorplan.model.site import Site
 if TYPE_CHECKING:
     from ifcopenshell import file as IfcFile  # noqa: N812 - the library's own name
 
-SCHEMA = "IFC4"
 ACCURACY_SET = "Pset_FloorplanAccuracy"
 NAMESPACE = uuid.UUID("7f2c1c1e-6f0e-5a53-9d2b-0c4f6f1f2a10")  # of our identifiers: any constant
 PRECISION_M = 1e-5
@@ -43,7 +42,7 @@ class IfcModel:
         need_ifcopenshell()
         import ifcopenshell
 
-        self.file: IfcFile = ifcopenshell.file(schema=SCHEMA)
+        self.file: IfcFile = ifcopenshell.file(schema="IFC4")
         self.key = key
         self.scope = ""  # the storey that is being made: glazing and columns are numbered by storey
         self.plan_context: Entity = None
@@ -209,5 +208,5 @@ class IfcModel:
         header.file_name.time_stamp = f"{recorded[:10]}T00:00:00" if recorded else UNKNOWN_TIME
         header.file_name.preprocessor_version = software
         header.file_name.originating_system = software
-        text: str = self.file.to_string()
+        text: str = self.file.to_string()  # type: ignore[no-untyped-call]
         return text.encode("utf-8")
