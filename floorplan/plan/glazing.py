@@ -66,10 +66,14 @@ def as_glazing(lines: tuple[GlazedLine, ...]) -> tuple[Glazing, ...]:
 
 def _on_faces(point_m: Array, faces: tuple[FaceRun, ...]) -> Array:
     near = np.zeros(len(point_m), dtype=bool)
-    for face in faces:
-        along = point_m[:, 1 - face.axis]
-        beside = (along > face.start_m - NEAR_FACE_M) & (along < face.end_m + NEAR_FACE_M)
-        near |= beside & (np.abs(point_m[:, face.axis] - face.offset_m) < NEAR_FACE_M)
+    for axis in (0, 1):
+        order = np.argsort(point_m[:, axis])  # so that each face looks at the few points beside it
+        across = point_m[order, axis]
+        for face in (face for face in faces if face.axis == axis):
+            first, last = np.searchsorted(across, (face.offset_m - NEAR_FACE_M, face.offset_m + NEAR_FACE_M))
+            beside = order[first:last]
+            along = point_m[beside, 1 - axis]
+            near[beside[(along > face.start_m - NEAR_FACE_M) & (along < face.end_m + NEAR_FACE_M)]] = True
     return near
 
 

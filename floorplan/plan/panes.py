@@ -43,13 +43,14 @@ def paned_gaps(
         return ()
     z = world.point_m[:, 2]
     rows = np.flatnonzero((z > config.wall_band_low_m) & (z < config.wall_band_high_m))
+    rays = _Rays(world.trajectory.position_m[world.point_frame[rows]], world.point_m[rows])
     windows = [(faces[gap.face].axis, faces[gap.face].offset_m, gap.start_m, gap.end_m) for gap in gaps if gap.is_window]
     found: list[GlazedLine] = []
     for stretch in _stretches(faces, config):
         taken = [*windows, *((line.axis, line.offset_m, line.start_m, line.end_m) for line in (*known, *found))]
         if any(_overlaps(stretch, *one, config.max_thickness_m) for one in taken):
             continue
-        pane = _pane(world, rows, stretch, config)
+        pane = _pane(rays, stretch, config)
         if pane is not None:
             found.append(pane)
     return tuple(found)
@@ -76,11 +77,19 @@ def _overlaps(stretch: _Stretch, axis: int, offset_m: float, start_m: float, end
     return near and min(end_m, stretch.end_m) > max(start_m, stretch.start_m)
 
 
-def _pane(world: PlanWorld, rows: Array, stretch: _Stretch, config: PlanConfig) -> GlazedLine | None:
+@dataclass(frozen=True)
+class _Rays:
+    """The rays that end at wall height: `sensor_m (R, 3)` where they begin, `point_m (R, 3)` where they end."""
+
+    sensor_m: Array
+    point_m: Array
+
+
+def _pane(rays: _Rays, stretch: _Stretch, config: PlanConfig) -> GlazedLine | None:
     """The line within the wall's depth that returns rays from nearly the whole gap while more rays pass it."""
     low, high = stretch.start_m + JAMB_M, stretch.end_m - JAMB_M
     edges = np.linspace(low, high, max(int((high - low) / BIN_M), 2) + 1)
-    point = world.point_m[rows]
+    point = rays.point_m
     along, depth = point[:, 1 - stretch.axis], (stretch.offset_m - point[:, stretch.axis]) * stretch.facing
     inside = (along > low) & (along < high) & (depth > -LINE_HALF_WIDTH_M) & (depth < config.max_thickness_m)
     if inside.sum() < MIN_RETURNS:
@@ -91,7 +100,7 @@ def _pane(world: PlanWorld, rows: Array, stretch: _Stretch, config: PlanConfig) 
         return None
     returned = np.histogram(along[on_line], bins=edges)[0]
     offset = stretch.offset_m - stretch.facing * line
-    through = _through(world, rows, stretch.axis, offset, edges)
+    through = _through(rays, stretch.axis, offset, edges)
     glassy = (returned > 0) & (through >= np.maximum(THROUGH_SHARE * returned, 1))
     if glassy.mean() < COVERED_SHARE or np.median(through) < MIN_RAYS:
         return None
@@ -108,9 +117,9 @@ def _densest(depth: Array) -> float:
     return float(np.median(depth[(depth >= first) & (depth < first + width * LINE_BIN_M)]))
 
 
-def _through(world: PlanWorld, rows: Array, axis: int, offset: float, edges: Array) -> Array:
+def _through(rays: _Rays, axis: int, offset: float, edges: Array) -> Array:
     """How many rays crossed the line in each bin, ending clearly beyond it."""
-    point, sensor = world.point_m[rows], world.trajectory.position_m[world.point_frame[rows]]
+    point, sensor = rays.point_m, rays.sensor_m
     before, beyond = sensor[:, axis] - offset, point[:, axis] - offset
     crossed = (before * beyond < 0) & (np.abs(beyond) > 2 * LINE_HALF_WIDTH_M)
     share = before[crossed] / (before - beyond)[crossed]

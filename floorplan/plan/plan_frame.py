@@ -70,7 +70,7 @@ def solved_world(
         frame,
         point_plane,
         evidence.weight.astype(np.float64),
-        sensor.noise.sigma_m(np.linalg.norm(sensor_point, axis=1)),
+        sensor.noise.sigma_m(np.sqrt(np.einsum("pi,pi->p", sensor_point, sensor_point))),
         heights=sensor.kind is not SensorKind.LASER,
     )
 
@@ -91,8 +91,10 @@ def _plane_of_segment(tracks: Tracks, solution: LayoutSolution) -> Array:
 
 
 def _frames_of_planes(segmented: SegmentedScan, plane_of_segment: Array, planes: int) -> Array:
-    pairs = np.unique(np.stack((plane_of_segment, segmented.segments.frame.astype(np.int64))), axis=1)
-    return np.bincount(pairs[0][pairs[0] != NO_PLANE], minlength=planes)
+    frames = len(segmented.frames.measured)
+    on = plane_of_segment != NO_PLANE
+    pairs = np.unique(plane_of_segment[on] * frames + segmented.segments.frame[on])
+    return np.bincount(pairs // max(frames, 1), minlength=planes)
 
 
 def floor_height_m(world: PlanWorld) -> float | None:

@@ -27,7 +27,8 @@ def _kind(before: float, beyond: float, mine: bool, loose: bool, tolerance: floa
 def count_rays(
     sensor: Array,
     point: Array,
-    point_frame: Array,
+    start: Array,
+    near: Array,
     point_plane: Array,
     weight: Array,
     tolerance: Array,
@@ -47,31 +48,45 @@ def count_rays(
 
     Passes count where the ray crossed the plane, blockers where they stand before it.
     A point of no plane counts as a hit when it lies on this one within the box `reach` (along low, high, up low, high).
+    The points of frame f are `start[f]` to `start[f + 1]`; only the frames `near (F,)` are looked at.
     """
     along = 1 - axis
     finer = fine.shape[1] // counts.shape[1]
-    for i in range(point.shape[0]):
-        f = point_frame[i]
-        before, beyond = (sensor[f, axis] - offset) * facing, (point[i, axis] - offset) * facing
-        u, z = point[i, along], point[i, 2]
-        mine = point_plane[i] == plane
-        loose = point_plane[i] < 0 and reach[0] <= u <= reach[1] and reach[2] <= z <= reach[3]
-        kind = _kind(before, beyond, mine, loose, tolerance[i])
-        if kind == NOTHING:
-            continue
-        if kind == PASSED:
-            run, du, dz = before - beyond, u - sensor[f, along], z - sensor[f, 2]
-            if abs(run) < MIN_INCIDENCE * np.sqrt(run * run + du * du + dz * dz):
+    for f in np.flatnonzero(near):
+        for i in range(start[f], start[f + 1]):
+            before, beyond = (sensor[f, axis] - offset) * facing, (point[i, axis] - offset) * facing
+            u, z = point[i, along], point[i, 2]
+            mine = point_plane[i] == plane
+            loose = point_plane[i] < 0 and reach[0] <= u <= reach[1] and reach[2] <= z <= reach[3]
+            kind = _kind(before, beyond, mine, loose, tolerance[i])
+            if kind == NOTHING:
                 continue
-            u, z = sensor[f, along] + before / run * du, sensor[f, 2] + before / run * dz
-        a, b = int(np.floor((u - grid[0]) / grid[2])), int(np.floor((z - grid[1]) / grid[3]))
-        if a < 0 or b < 0 or a >= counts.shape[1] or b >= counts.shape[2]:
-            continue
-        counts[kind - 1, a, b] += weight[i]
-        if band[0] <= z <= band[1]:
-            fine[kind - 1, min(int((u - grid[0]) / grid[2] * finer), fine.shape[1] - 1)] += weight[i]
-        if mine:  # a stray reading is no witness: a skewed wall crosses many planes
-            seen[a, f] = True
+            if kind == PASSED:
+                run, du, dz = before - beyond, u - sensor[f, along], z - sensor[f, 2]
+                if abs(run) < MIN_INCIDENCE * np.sqrt(run * run + du * du + dz * dz):
+                    continue
+                u, z = sensor[f, along] + before / run * du, sensor[f, 2] + before / run * dz
+            a, b = int(np.floor((u - grid[0]) / grid[2])), int(np.floor((z - grid[1]) / grid[3]))
+            if a < 0 or b < 0 or a >= counts.shape[1] or b >= counts.shape[2]:
+                continue
+            counts[kind - 1, a, b] += weight[i]
+            if band[0] <= z <= band[1]:
+                fine[kind - 1, min(int((u - grid[0]) / grid[2] * finer), fine.shape[1] - 1)] += weight[i]
+            if mine:  # a stray reading is no witness: a skewed wall crosses many planes
+                seen[a, f] = True
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
+def frame_boxes(sensor: Array, point: Array, start: Array) -> Array:
+    """What each frame's rays span (F, 2, 2): lowest and highest x and y of the sensor and its points."""
+    box = np.empty((len(sensor), 2, 2))
+    for f in range(len(sensor)):
+        for a in range(2):
+            low = high = sensor[f, a]
+            for i in range(start[f], start[f + 1]):
+                low, high = min(low, point[i, a]), max(high, point[i, a])
+            box[f, a, 0], box[f, a, 1] = low, high
+    return box
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]

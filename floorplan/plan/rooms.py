@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from shapely.geometry import LineString, MultiPoint, Polygon, box
+from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
@@ -19,6 +20,7 @@ from floorplan.plan.glazing import GlazedLine, barriers_of
 
 CORRIDOR_WIDTH_M = 3.0  # corridors are narrower ...
 CORRIDOR_STRETCH = 1.5  # ... and at least about four times as long as wide: perimeter^2 / (16 area), 1 for a square
+SAME_LINE_M = 1e-4  # outlines lie on the barriers but for rounding
 MIN_ENCLOSED = 0.9  # a room less enclosed than this by walls and openings is partial
 MIN_GLIMPSE_ENCLOSED = 0.5  # unvisited and less enclosed than this: the outdoors behind a window, or nothing known
 
@@ -41,7 +43,7 @@ def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
     barriers = (*wall_barriers(scene.faces), *opening_barriers(scene, config), *glass)
     matter = np.array([body.rectangle.bounds for body in scene.bodies]).reshape(-1, 4)
     arrangement = arrange(barriers, scene.space, MatterShare(matter))
-    lines = unary_union([_line(barrier) for barrier in barriers])
+    lines = unary_union([_line(barrier) for barrier in barriers]).buffer(SAME_LINE_M)
     shapes = [shape for region in range(arrangement.region.max() + 1) for shape in _polygons(arrangement, region)]
     rooms = [_room(shape, lines, scene.path_xy_m) for shape in shapes if shape.area >= config.min_room_area_m2]
     kept = sorted((room for room in rooms if room is not None), key=lambda room: (-round(room.label[1]), room.label[0]))
@@ -93,9 +95,9 @@ def _polygons(arrangement: Arrangement, region: int) -> list[Polygon]:
     return [orient(part.simplify(1e-6)) for part in getattr(merged, "geoms", [merged])]
 
 
-def _room(shape: Polygon, lines: LineString, path_xy_m: Array) -> Room | None:
+def _room(shape: Polygon, lines: BaseGeometry, path_xy_m: Array) -> Room | None:
     """A room of a polygon, or None when it is but open space seen from afar."""
-    enclosed = shape.boundary.intersection(lines.buffer(1e-4)).length / shape.boundary.length
+    enclosed = shape.boundary.intersection(lines).length / shape.boundary.length
     visited = shape.intersects(MultiPoint(path_xy_m)) if len(path_xy_m) else False
     if not visited and enclosed < MIN_GLIMPSE_ENCLOSED:
         return None

@@ -38,9 +38,13 @@ def floor_heights_m(world: PlanWorld) -> tuple[float, ...]:
 def _areas_m2(world: PlanWorld) -> Array:
     """Seen area (L,) of every plane, counted in cells of the floor."""
     level = np.flatnonzero((world.point_plane != NO_PLANE) & (world.plane_axis[world.point_plane] == AXIS_Z))
+    if not len(level):
+        return np.zeros(len(world.plane_axis))
     cell = np.floor(world.point_m[level, :2] / FLOOR_CELL_M).astype(np.int64)
-    seen = np.unique(np.column_stack((world.point_plane[level], cell)), axis=0)
-    return np.bincount(seen[:, 0], minlength=len(world.plane_axis)) * FLOOR_CELL_M**2
+    cell -= cell.min(axis=0)
+    columns, rows = cell.max(axis=0) + 1
+    seen = np.unique((world.point_plane[level] * columns + cell[:, 0]) * rows + cell[:, 1])
+    return np.bincount(seen // (columns * rows), minlength=len(world.plane_axis)) * FLOOR_CELL_M**2
 
 
 def _walked_m(world: PlanWorld, floor_m: float) -> float:

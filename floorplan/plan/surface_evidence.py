@@ -17,6 +17,7 @@ UNBOUNDED_M = 1e6  # higher than anything
 LOOSE_MARGIN_M = 0.15  # a surface goes on this far beyond its segments, whose ends are trimmed; a skewed wall soon leaves it
 SAME_SURFACE_M = 0.06  # faces of equal facing less than this apart continue each other across an opening
 MAX_LINE_GAP_M = 8.0  # a longer stretch between two planes in line is no gap of one wall
+NEAR_M = 1.0  # readings this far before a plane, or assigned to it, still concern it: past a cabinet's depth
 MIN_TOLERANCE_M = 0.04  # what the poses alone may be off between frames
 
 
@@ -62,12 +63,31 @@ def tolerance_m(world: PlanWorld) -> Array:
 
 def surface_evidence(world: PlanWorld, config: PlanConfig) -> tuple[PlaneEvidence, ...]:
     """Counts for every plane along x or y."""
+    from floorplan.plan.ray_kernels import frame_boxes
+
     upright = np.flatnonzero((world.plane_axis == AXIS_X) | (world.plane_axis == AXIS_Y))
-    tolerance = tolerance_m(world)
-    return tuple(_count(world, int(plane), tolerance, config) for plane in upright)
+    start = np.searchsorted(world.point_frame, np.arange(len(world.trajectory.position_m) + 1))
+    rays = _Rays(tolerance_m(world), start, frame_boxes(world.trajectory.position_m, world.point_m, start))
+    return tuple(_count(world, int(plane), rays, config) for plane in upright)
 
 
-def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -> PlaneEvidence:
+@dataclass(frozen=True)
+class _Rays:
+    """All rays: `tolerance_m (P,)`; those of keyframe f are rows `start[f]` to `start[f + 1]` and stay within `box_m[f]` (F, 2, 2)."""
+
+    tolerance_m: Array
+    start: Array
+    box_m: Array
+
+    def near(self, axis: int, offset_m: float, low_m: float, high_m: float) -> Array:
+        """Which keyframes (F,) have rays that come near the stretch `low_m` to `high_m` of a plane."""
+        reach_m = max(NEAR_M, float(self.tolerance_m.max(initial=0.0)))
+        across, along = self.box_m[:, axis], self.box_m[:, 1 - axis]
+        beside = (along[:, 0] <= high_m) & (along[:, 1] >= low_m)
+        return np.asarray(beside & (across[:, 0] - reach_m <= offset_m) & (across[:, 1] + reach_m >= offset_m))
+
+
+def _count(world: PlanWorld, plane: int, rays: _Rays, config: PlanConfig) -> PlaneEvidence:
     from floorplan.plan.ray_kernels import count_rays
 
     low, high = world.plane_extent_m[plane, 1 - int(world.plane_axis[plane])]
@@ -80,17 +100,19 @@ def _count(world: PlanWorld, plane: int, tolerance: Array, config: PlanConfig) -
         up_start, up_step, rows, band = -UNBOUNDED_M, 2 * UNBOUNDED_M, 1, np.array([-np.inf, np.inf])
     counts, fine = np.zeros((3, columns, rows)), np.zeros((3, columns * FINE_CELLS))
     seen = np.zeros((columns, len(world.trajectory.position_m)), dtype=np.bool_)
+    axis, offset_m = int(world.plane_axis[plane]), float(world.plane_offset_m[plane])
     count_rays(
         world.trajectory.position_m,
         world.point_m,
-        world.point_frame,
+        rays.start,
+        rays.near(axis, offset_m, start, start + columns * step),
         world.point_plane,
         world.point_weight,
-        tolerance,
+        rays.tolerance_m,
         plane,
-        int(world.plane_axis[plane]),
+        axis,
         int(world.plane_facing[plane]),
-        float(world.plane_offset_m[plane]),
+        offset_m,
         _reach(world, plane),
         np.array([start, up_start, step, up_step]),
         band,
