@@ -10,6 +10,7 @@ from floorplan.errors import InputError, UsageError
 from floorplan.readers.arkitscenes import ArkitScenesReader
 from floorplan.readers.base import BadFrame, Reader, Source
 from floorplan.readers.carmen import CarmenReader
+from floorplan.readers.clouds import CloudsReader
 from floorplan.readers.polycam import PolycamReader
 from floorplan.readers.ros import RosReader
 from floorplan.readers.scanner3d import Scanner3dReader
@@ -26,6 +27,7 @@ READERS: tuple[Reader, ...] = (
     ScanNetReader(),
     CarmenReader(),
     RosReader(),
+    CloudsReader(),
 )
 
 __all__ = ["READERS", "BadFrame", "Reader", "Source", "open_scan", "reader_for"]

@@ -14,6 +14,22 @@ MIN_COLUMNS, MAX_COLUMNS = 90, 2048
 MIN_RANGE_M = 1e-3  # nearer points are "no return" written as zeros
 
 
+RING_FIELDS = ("ring", "channel", "line")  # Velodyne and Ouster; Hesai; Livox
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """One cloud as read: `points (H, W, 3)` float32, NaN for no return, and the number of each point's `ring (H, W)` where it tells."""
+
+    points: Array
+    ring: Array | None
+
+    @property
+    def organised(self) -> bool:
+        """True when the cloud has rows of its own."""
+        return len(self.points) > 1
+
+
 @dataclass(frozen=True)
 class RingGrid:
     """How points fall on the grid: `columns` once around from straight behind; `edges (rings - 1,)` height angles between the rings,
@@ -36,6 +52,20 @@ class RingGrid:
         grid = np.full((self.rings, self.columns, 3), np.nan, dtype=np.float32)
         grid[row[on_grid][order], column[on_grid][order]] = points[on_grid][order]
         return grid
+
+
+def grid_of(cloud: Cloud) -> RingGrid | None:
+    """The grid for clouds without rows, such as `cloud`; None for those that have rows."""
+    if cloud.organised:
+        return None
+    return ring_grid(cloud.points.reshape(-1, 3), None if cloud.ring is None else cloud.ring.reshape(-1))
+
+
+def on_grid(cloud: Cloud, rings: RingGrid | None) -> Array:
+    """Points (H, W, 3) float32: the cloud's own rows, or put on the grid `rings`."""
+    if rings is None:
+        return cloud.points
+    return rings.organised(cloud.points.reshape(-1, 3), None if cloud.ring is None else cloud.ring.reshape(-1))
 
 
 def ring_grid(points: Array, ring: Array | None) -> RingGrid:

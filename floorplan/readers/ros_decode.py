@@ -1,19 +1,17 @@
 """ROS messages to arrays: depth images, sweeps, clouds. Lengths in metres, NaN for no return."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
-from floorplan.readers.cloud_grid import RingGrid
+from floorplan.readers.cloud_grid import RING_FIELDS, Cloud, RingGrid, on_grid
 from floorplan.readers.ros_topics import COMPRESSED_IMAGE, IMAGE, LASER_SCAN
 
 MILLIMETRE_M = 0.001  # of 16-bit depth (REP 118)
 COMPRESSED_HEADER_BYTES = 12  # config enum and two quantisation floats before the PNG
 FIELD_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}  # of PointField
-RING_FIELDS = ("ring", "channel", "line")  # Velodyne and Ouster; Hesai; Livox
 
 
 def stamp_ns_of(message: Any) -> int:
@@ -55,19 +53,6 @@ def sweep_points(message: Any) -> Array:
     return np.asarray(points[None], dtype=np.float32)
 
 
-@dataclass(frozen=True)
-class Cloud:
-    """A PointCloud2: `points (H, W, 3)` float32, NaN for no return, and the number of each point's `ring (H, W)` where it tells."""
-
-    points: Array
-    ring: Array | None
-
-    @property
-    def organised(self) -> bool:
-        """True when the message has rows of its own."""
-        return len(self.points) > 1
-
-
 def cloud_of(message: Any) -> Cloud:
     """The points of a PointCloud2. Raises `InputError` for fields that cannot be read."""
     fields = {field.name: field for field in message.fields}
@@ -87,10 +72,7 @@ def cloud_of(message: Any) -> Cloud:
 
 def cloud_points(message: Any, rings: RingGrid | None) -> Array:
     """Points (H, W, 3) float32 of a PointCloud2: its own rows, or put on the grid `rings`."""
-    cloud = cloud_of(message)
-    if rings is None:
-        return cloud.points
-    return rings.organised(cloud.points.reshape(-1, 3), None if cloud.ring is None else cloud.ring.reshape(-1))
+    return on_grid(cloud_of(message), rings)
 
 
 def grid_points(message: Any, type: str, rays: Array, rings: RingGrid | None = None) -> Array:

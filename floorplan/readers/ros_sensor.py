@@ -9,7 +9,7 @@ from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Intrinsics, NoiseModel, Sensor, SensorKind
-from floorplan.readers.cloud_grid import RingGrid, ring_grid
+from floorplan.readers.cloud_grid import RingGrid, grid_of
 from floorplan.readers.depth_images import scaled_intrinsics
 from floorplan.readers.noise_models import (
     DEPTH_CAMERA,
@@ -63,8 +63,7 @@ def _cloud(cloud: Any, optical: bool) -> Sensor:
 
 def rings_of(cloud: Any) -> RingGrid | None:
     """The grid for clouds without rows, such as `cloud`; None for those that have rows."""
-    read = cloud_of(cloud)
-    return None if read.organised else ring_grid(read.points.reshape(-1, 3), None if read.ring is None else read.ring.reshape(-1))
+    return grid_of(cloud_of(cloud))
 
 
 def _lens(camera_info: Any, width: int, height: int, config: ReadConfig) -> Intrinsics:

@@ -17,6 +17,8 @@ from floorplan.simulate.scene import Scene
 from floorplan.simulate.sensor import DepthCamera, Shot, pinhole_of
 from floorplan.simulate.walk import Walk
 from floorplan.simulate.write_carmen import CarmenWriter
+from floorplan.simulate.write_clouds import KINDS as CLOUD_KINDS
+from floorplan.simulate.write_clouds import CloudsWriter
 from floorplan.simulate.write_posed import LAYOUTS, PosedWriter
 from floorplan.simulate.write_ros import RosWriter
 from floorplan.simulate.write_stray import StrayWriter
@@ -78,6 +80,11 @@ def _posed_writer(name: str, folder: Path, instrument: Any, seed: int) -> PosedW
     return PosedWriter(folder, instrument, LAYOUTS[name])
 
 
+def _clouds_writer(kind: str, folder: Path, instrument: Any, seed: int) -> CloudsWriter:
+    del seed  # nothing random in these formats
+    return CloudsWriter(folder, instrument, kind)
+
+
 def _as_drawn(scene: Scene) -> Scene:
     return scene
 
@@ -102,7 +109,10 @@ FORMATS = {
     "carmen": Format(_on_wheels, _laser, CarmenWriter, 1),
     **{kind: Format(_as_drawn, _camera, partial(_ros_writer, kind), 2) for kind in BAG_KINDS},
 }
-LIDAR_FORMATS = {kind: Format(_with_lidar, _lidar, partial(_ros_writer, kind), 1) for kind in BAG_KINDS}
+LIDAR_FORMATS = {
+    **{kind: Format(_with_lidar, _lidar, partial(_ros_writer, kind), 1) for kind in BAG_KINDS},
+    **{kind: Format(_with_lidar, _lidar, partial(_clouds_writer, kind), 1) for kind in CLOUD_KINDS},
+}
 SENSORS = {"": FORMATS, "lidar16": LIDAR_FORMATS}  # the format's own instrument, or another one
 
 
