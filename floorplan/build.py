@@ -9,7 +9,7 @@ from floorplan.chunked_segments import segment_in_chunks
 from floorplan.config import Config
 from floorplan.config_file import config_to_toml
 from floorplan.corrections import Corrections, Surveyed
-from floorplan.drawings import Drawing, write_drawings
+from floorplan.drawings import Drawing, check_sheet, write_drawings
 from floorplan.initial_layout import InitialLayout, initial_layout
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
@@ -51,6 +51,7 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
     """Scan to plan; None when `job.until` stops before the plan. Raises `FloorplanError` for all a user can mend."""
     config, reporter = job.config, reporter or SilentReporter()
     source = trimmed(open_scan(job.scan, job.format, config.read), config.ingest.trim)
+    check_sheet(job.drawings, config.drawing, source.recording.position_m[:, :2])
     owner = Owner(str(job.scan.resolve()), source.recording.format, scan_fingerprint(job.scan, job.work))
     with opened_work(job, owner, reporter) as work, suppress(UntilReached):
         scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress("gravity")), count_scan)
@@ -86,4 +87,6 @@ def opened_work(job: Job, owner: Owner, reporter: Reporter) -> Iterator[WorkFold
             reporter.message(f"a build that ended early ({left_behind}) left this folder; going on from there")
         with new_file(job.work / "config.toml") as making:
             making.write_text(config_to_toml(job.config), "utf-8")
-        yield WorkFolder(job.work, owner, job.config, job.redo_from, job.until, reporter)
+        work = WorkFolder(job.work, owner, job.config, job.redo_from, job.until, reporter)
+        work.forget_redone()
+        yield work

@@ -2,6 +2,7 @@
 
 import dataclasses
 import difflib
+import inspect
 import math
 import re
 import tomllib
@@ -30,15 +31,34 @@ def load_config(path: Path | None = None, settings: Iterable[str] = ()) -> Confi
     return config
 
 
-def config_to_toml(config: Config) -> str:
-    """The whole effective configuration as TOML; what is unset (None) stands as a comment."""
+def config_to_toml(config: Config, comments: bool = False) -> str:
+    """The whole effective configuration as TOML; what is unset (None) stands as a comment. `comments`: the reason of each setting."""
     lines: list[str] = []
     for section in dataclasses.fields(config):
         values = getattr(config, section.name)
+        reasons = setting_comments(type(values)) if comments else {}
+        lines += [f"# {sentence}" for sentence in (type(values).__doc__ or "").split("\n")[:1] if comments]
         lines.append(f"[{section.name}]")
-        lines += [_toml_line(f.name, getattr(values, f.name)) for f in dataclasses.fields(values)]
+        for f in dataclasses.fields(values):
+            reason = f"  # {reasons[f.name]}" if reasons.get(f.name) else ""
+            lines.append(_toml_line(f.name, getattr(values, f.name)) + reason)
         lines.append("")
     return "\n".join(lines[:-1]) + "\n"
+
+
+def setting_comments(section: type) -> dict[str, str]:
+    """The comment of each field of a section, from the source of `config.py`: what stands before it and behind it."""
+    found: dict[str, str] = {}
+    before: list[str] = []
+    for line in inspect.getsource(section).splitlines():
+        code, _, comment = line.partition("  # ")
+        if line.strip().startswith("# "):
+            before.append(line.strip()[2:])
+            continue
+        if match := re.match(r" {4}(\w+): ", code):
+            found[match[1]] = " ".join([*before, comment.strip()]).strip()
+        before = []
+    return found
 
 
 def _read_toml(path: Path) -> dict[str, Any]:

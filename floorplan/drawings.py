@@ -5,9 +5,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from floorplan import __version__
-from floorplan.config import Config, ProjectConfig
-from floorplan.errors import UsageError
+from floorplan.config import Config, DrawingConfig, ProjectConfig
+from floorplan.errors import ConfigError, UsageError
+from floorplan.model.checks import Array
 from floorplan.model.plan import Plan
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
 from floorplan.reporting import Reporter
@@ -18,6 +21,9 @@ from floorplan.work.disk import clear_disk_errors
 if TYPE_CHECKING:
     from floorplan.writers.facts import SheetFacts
 
+ON_SHEETS = ("dxf", "svg", "pdf", "png", "report")  # writers that lay the plan on a sheet at a scale
+TURNED_DEG = 2.0  # steps of the angle that the plan may lie at under the path
+PATH_SHARE = 0.9  # of the path's size that is sure: odometry may have stretched it
 TABLES = ("dimensions", "rooms")  # writers of comma-separated tables
 EARLIEST_CLOCK_S = 946_684_800  # 2000-01-01: smaller stamps count from some other beginning than 1970
 
@@ -51,6 +57,32 @@ def check_drawings(drawings: tuple[Drawing, ...]) -> None:
             raise UsageError(f"{drawing.path}: there is no folder {drawing.path.parent}; make it first")
         if drawing.path.is_dir():
             raise UsageError(f"{drawing.path} is a folder; give the name of a file")
+
+
+def check_sheet(drawings: tuple[Drawing, ...], drawing: DrawingConfig, path_xy_m: Array) -> None:
+    """Raise `ConfigError`, before anything is computed, for a sheet that does not exist or that the walked path alone does not fit.
+
+    `path_xy_m (N, 2)` may still be turned by any angle and bent by drift, so it must be too large under every angle, by a tenth.
+    """
+    if not any(one.format in ON_SHEETS for one in drawings):
+        return
+    from floorplan.writers.layers import layer_styles
+    from floorplan.writers.occupancy import Rectangle
+    from floorplan.writers.scale import fits, parse_scale
+    from floorplan.writers.sheet_size import sheet_named
+    from floorplan.writers.unit_style import unit_style
+
+    layer_styles(drawing.layers)
+    unit_style(drawing.units)
+    area = sheet_named(drawing.sheet).drawing
+    if not drawing.scale:
+        return
+    scale, angles = parse_scale(drawing.scale), np.radians(np.arange(0.0, 180.0, TURNED_DEG))
+    along = PATH_SHARE * np.ptp(path_xy_m @ np.stack((np.cos(angles), np.sin(angles))), axis=0)
+    sizes = zip(along, np.roll(along, len(angles) // 2), strict=True)  # along each angle, and square to it
+    if not any(fits(scale, Rectangle(0.0, 0.0, float(width), float(height)), area) for width, height in sizes):
+        path = f"the walked path alone, {max(along) / PATH_SHARE:.0f} m across, does not fit the sheet"
+        raise ConfigError(f"drawing.scale = {drawing.scale!r}: {path}; leave --scale out, or use a larger --sheet")
 
 
 def write_drawings(

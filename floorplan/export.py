@@ -16,6 +16,7 @@ from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
+from floorplan.model.ties import Calibration
 from floorplan.recording_advice import recording_advice
 from floorplan.reporting import Reporter
 from floorplan.results import Results, summary, trajectories
@@ -61,6 +62,13 @@ def read_results(work: Path) -> Results:
         solution=finished(work, RESOLVE, LayoutSolution),
         plan=with_known_ids(finished(work, PLAN, Plan), work),
     )
+
+
+def read_calibration(work: Path) -> Calibration | None:
+    """How the plan of a work folder was calibrated by tape; None where it was not, and for a `plan.json` alone."""
+    if not (work / RESOLVE.folder / "stage.json").exists():
+        return None
+    return load_value(work / RESOLVE.folder, LayoutSolution).calibration
 
 
 def read_advice(work: Path, states: tuple[StageStatus, ...]) -> tuple[Advice, ...]:

@@ -19,7 +19,7 @@ def write_report(work: Path, config: Config, out: Path, laser: Path | None = Non
     if not out.parent.is_dir() or out.is_dir():
         raise UsageError(f"{out}: give the name of a file in a folder that exists")
     owner, results = read_owner(work), read_results(work)
-    check = None if laser is None else check_plan(results.plan, read_laser(laser))
+    check = None if laser is None else check_plan(results.plan, read_laser(laser), results.solution.calibration)
     table = summary(results, trajectories(results), Path(owner.scan), work, config)
     with clear_disk_errors(out):
         write_atomically(out, report_html(results, table, owner, config, check).encode("utf-8"))

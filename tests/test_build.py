@@ -13,14 +13,17 @@ import numpy as np
 import pytest
 
 from floorplan.build import Job, build
-from floorplan.config import Config
+from floorplan.config import Config, DrawingConfig
 from floorplan.config_file import load_config
 from floorplan.corrections import with_edits, with_laser
-from floorplan.errors import WorkFolderError
+from floorplan.drawings import Drawing
+from floorplan.errors import ConfigError, WorkFolderError
 from floorplan.export import export_graph, read_merges, read_results
 from floorplan.graph_file import load_graph
 from floorplan.simulate import simulate
-from floorplan.work.stages import RESOLVE, SEGMENTS, STAGES
+from floorplan.work.folder import read_owner
+from floorplan.work.stages import LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, STAGES
+from floorplan.work.status import stages_status
 
 ROOT_FILES = {
     "plan.json",
@@ -251,3 +254,20 @@ def test_a_wrong_merge_forced_by_hand_shows_and_leaves_no_trace_when_undone(scan
     assert len(moved) < len(shared) or max(moved) > 0.02
     assert build(Job(scan, folder)) is not None
     assert made_bytes(folder) == before
+
+
+def test_what_from_asked_for_again_is_not_forgotten_when_interrupted(scan: Path, work: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "work"
+    shutil.copytree(work, copy)
+    build(Job(scan, copy, redo_from=MERGE, until=MERGE))  # as if interrupted after the merge
+    states = {state.folder: state.state for state in stages_status(copy, Config(), read_owner(copy))}
+    assert [states[stage.folder] for stage in (LEAST_SQUARES, MERGE, RESOLVE, PLAN)] == ["kept", "kept", "missing", "missing"]
+    assert build(Job(scan, copy)) is not None
+    assert made_bytes(copy) == made_bytes(work)
+
+
+def test_a_sheet_that_cannot_hold_the_walk_is_refused_before_anything_is_computed(scan: Path, tmp_path: Path) -> None:
+    config = Config(drawing=DrawingConfig(scale="1:5", sheet="A4"))
+    with pytest.raises(ConfigError, match="walked path alone"):
+        build(Job(scan, tmp_path / "work", config, drawings=(Drawing("svg", tmp_path / "plan.svg"),)))
+    assert not (tmp_path / "work").exists()

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from floorplan import __version__
+from floorplan.build import Job
 from floorplan.cli import app
 from floorplan.errors import ConfigError, FloorplanError, InputError, UsageError, WorkFolderError
 
@@ -96,3 +97,23 @@ def test_doctor_finds_this_machine_good() -> None:
     result = RUNNER.invoke(app, ["doctor", "--json"])
     assert result.exit_code == 0
     assert {check["name"] for check in json.loads(result.stdout)} >= {"python", "open3d", "cvxpy", "free disk"}
+
+
+def test_a_build_cannot_stop_before_it_begins(tmp_path: Path) -> None:
+    (tmp_path / "scan").mkdir()
+    error = error_of("build", str(tmp_path / "scan"), "--from", "merge", "--until", "ingest")
+    assert isinstance(error, UsageError)
+    assert "--from merge comes after --until ingest" in str(error)
+
+
+def test_an_interrupted_build_says_what_is_kept_and_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(job: Job, reporter: object) -> None:
+        (job.work / "1-ingest").mkdir(parents=True)
+        (job.work / "2-segments.partial").mkdir()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("floorplan.build.build", interrupted)
+    (tmp_path / "scan").mkdir()
+    result = RUNNER.invoke(app, ["build", str(tmp_path / "scan")])
+    assert result.exit_code == 130
+    assert "keeps 1-ingest, part of 2-segments. Give the same command again" in result.stderr

@@ -1,6 +1,7 @@
 """The configuration: what is accepted, what is refused and with which words."""
 
 import dataclasses
+import re
 from pathlib import Path
 
 import pytest
@@ -68,3 +69,12 @@ def test_every_default_is_within_its_own_rules() -> None:
             if (value := getattr(values, field.name)) is not None and not isinstance(value, str):
                 text = str(list(value)) if isinstance(value, tuple) else str(value).lower()
                 assert load_config(None, [f"{section.name}.{field.name}={text}"]) == Config()
+
+
+def test_the_printed_settings_say_what_each_is_for_and_read_back_the_same(tmp_path: Path) -> None:
+    text = config_to_toml(Config(), comments=True)
+    assert re.search(r"^gap_m = 0\.3  # along the plane", text, re.MULTILINE)
+    assert re.search(r'^odometry = "auto"  # "refine" matches', text, re.MULTILINE)  # the comment stands before it in the source
+    assert "# Stage `6-plan`.\n[plan]" in text
+    (tmp_path / "floorplan.toml").write_text(text, "utf-8")
+    assert load_config(tmp_path / "floorplan.toml") == Config()

@@ -15,7 +15,9 @@ from floorplan.cli.site_table import print_site
 if TYPE_CHECKING:
     from floorplan.build import Job
     from floorplan.results import Results
+    from floorplan.work.stages import Stage
 
+INTERRUPTED = 130  # as a shell tells SIGINT
 NAMED_DIMENSIONS = 12  # as many are listed; the rest are in the drawing
 
 
@@ -54,31 +56,56 @@ def build(
 
     Finished stages are kept, so giving the command again is cheap.
     """
-    from floorplan.work.stages import stage_named
-
     reporter = ConsoleReporter(quiet, verbose)
     short = [*o.topic_settings(topics), *o.trim_settings(trim)]
     effective = o.effective_config(config, [*(settings or []), *short], units=units, scale=scale, sheet=sheet)
-    redo_from = stage_named(from_stage) if from_stage else None
-    until = stage_named(until_stage) if until_stage else None
+    redo_from, until = _stages(from_stage, until_stage)
     for scan in scans:
         o.check_scan(scan)
     from floorplan.build import Job
-    from floorplan.build import build as run
     from floorplan.corrections import with_edits, with_laser, with_site, with_start
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, ifc=ifc, report=report)
     effective = with_site(with_start(with_edits(with_laser(effective, laser), edits), start), control, north)
     job = Job(scans[0], work or o.default_work(*scans), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
-    if len(scans) == 1:
-        results = run(job, reporter)
-    else:
-        from floorplan.build_several import build_several, title_of
-
-        job = replace(job, scan=Path(title_of(scans)))
-        results = build_several(job, scans, reporter)
+    results = _run(job, scans, reporter)
     if results is not None and not quiet:
         _print_numbers(job, results)
+
+
+def _stages(from_stage: str | None, until_stage: str | None) -> "tuple[Stage | None, Stage | None]":
+    """The stages that `--from` and `--until` name. Raises UsageError for names that are none, and for an order that makes nothing."""
+    from floorplan.work.stages import check_order, stage_named
+
+    redo_from = stage_named(from_stage) if from_stage else None
+    until = stage_named(until_stage) if until_stage else None
+    check_order(redo_from, until)
+    return redo_from, until
+
+
+def _run(job: "Job", scans: list[Path], reporter: ConsoleReporter) -> "Results | None":
+    """The build of one scan or of several; interrupted, it says what is kept and how to go on."""
+    try:
+        if len(scans) == 1:
+            from floorplan.build import build as run
+
+            return run(job, reporter)
+        from floorplan.build_several import build_several, title_of
+
+        return build_several(replace(job, scan=Path(title_of(scans))), scans, reporter)
+    except KeyboardInterrupt:
+        typer.echo(_kept_words(job.work), err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _kept_words(work: Path) -> str:
+    """What an interrupted build leaves, and how to go on."""
+    from floorplan.work.folder import partial_name
+    from floorplan.work.stages import STAGES
+
+    kept = [stage.folder for stage in STAGES if (work / stage.folder).is_dir()]
+    kept += [f"part of {stage.folder}" for stage in STAGES if (work / partial_name(stage)).is_dir()]
+    return f"interrupted; {work} keeps {', '.join(kept) or 'no stage yet'}. Give the same command again to go on from there."
 
 
 def _print_numbers(job: "Job", results: "Results") -> None:

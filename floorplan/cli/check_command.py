@@ -28,20 +28,23 @@ def check(
     quiet: o.Quiet = False,
 ) -> None:
     """Plan distances against measured ones: table, mean error, level of accuracy; the exit code tells."""
+    from floorplan.export import read_calibration
     from floorplan.laser.compare import check_plan
     from floorplan.laser.table import read_laser
     from floorplan.laser.tolerance import enforce, parse_tolerance
     from floorplan.plan_file import read_plan
 
-    bound = None if tolerance is None else parse_tolerance(tolerance)
-    result = check_plan(read_plan(work), read_laser(laser))
     reporter = ConsoleReporter(quiet)
+    bound = None if tolerance is None else parse_tolerance(tolerance)
+    if bound is not None:
+        reporter.message(f"tolerance: {bound}")
+    result = check_plan(read_plan(work), read_laser(laser), read_calibration(work))
     for row in result.bad:
         reporter.message(f"not compared: {row.text}")
     if csv_file is not None:
         write_check_csv(result, csv_file)
     if as_json:
-        echo_json(asdict(result))
+        echo_json({**asdict(result), "calibrated": result.calibrated})
     else:
         print_check(result)
     if not result.rows:
@@ -60,7 +63,7 @@ def print_check(result: "Check") -> None:
             f"{1000 * row.difference_m:+.0f} mm",
             f"{row.percent:+.2f}",
             "within" if row.within else "OUTSIDE",
-            row.level,
+            "calibrated with" if row.calibrated else row.level,
             row.room,
         )
         for row in result.rows
@@ -72,6 +75,10 @@ def print_check(result: "Check") -> None:
     echo()
     left_out = f", {len(result.bad)} rows could not be compared" if result.bad else ""
     echo(f"{len(rows)} distances{left_out}")
+    if result.calibrated:
+        others = len(rows) - result.calibrated
+        rest = f"the numbers below are of the other {others}" if others else "so these numbers prove nothing: measure others"
+        echo(f"{result.calibrated} of them calibrated this plan (--laser): {rest}")
     echo(f"mean error {result.mean_percent:.2f} % ({1000 * result.mean_m:.1f} mm), all of them together {result.bias_percent:+.2f} %")
     echo(f"worst error {result.worst_percent:.2f} % ({1000 * result.worst_m:.1f} mm)")
     echo(f"{100 * result.share_within:.0f} % inside the 95 % interval")

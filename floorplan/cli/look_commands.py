@@ -30,7 +30,7 @@ def config(config: o.ConfigFile = None, settings: o.Settings = None, as_json: o.
     if as_json:
         echo_json(asdict(effective))
     else:
-        echo(config_to_toml(effective).rstrip())
+        echo(config_to_toml(effective, comments=True).rstrip())
 
 
 def doctor(as_json: o.AsJson = False) -> None:

@@ -50,6 +50,13 @@ class WorkFolder:
     reporter: Reporter = field(default_factory=SilentReporter)
     keys: dict[str, str] = field(default_factory=dict)
 
+    def forget_redone(self) -> None:
+        """Throw away what is to be made again, before anything is made: an interrupted build is gone on with from there."""
+        for stage in STAGES:
+            if self._is_redone(stage):
+                for name in (stage.folder, partial_name(stage)):
+                    shutil.rmtree(self.path / name, ignore_errors=True)
+
     def stage(self, stage: Stage, kind: type[T], make: Callable[[], T], counts: Callable[[T], Mapping[str, int]] = lambda value: {}) -> T:
         """The result of `stage`: read when its key matches, otherwise made, kept and given back.
 

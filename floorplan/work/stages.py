@@ -39,6 +39,12 @@ PLAN = Stage(
 STAGES = (INGEST, SEGMENTS, LEAST_SQUARES, MERGE, RESOLVE, PLAN)
 
 
+def check_order(redo_from: Stage | None, until: Stage | None) -> None:
+    """Raise `UsageError` where a build would stop before the stage it begins at."""
+    if redo_from is not None and until is not None and STAGES.index(redo_from) > STAGES.index(until):
+        raise UsageError(f"--from {redo_from.name} comes after --until {until.name}: nothing would be made; exchange them or leave one out")
+
+
 def stage_named(name: str) -> Stage:
     """The stage of that name (`merge`, or the folder's name `4-merge`). Raises `UsageError` for any other word."""
     for stage in STAGES:

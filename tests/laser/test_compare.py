@@ -1,6 +1,7 @@
 """Measured distances against a plan whose numbers are known."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from floorplan.laser.compare import check_plan, level_of
 from floorplan.laser.spans import distance_sigma_m
 from floorplan.laser.table import parse_laser
 from floorplan.laser.tolerance import parse_tolerance
+from floorplan.model.ties import Calibration, TiedDistance
 from floorplan.plan.plan_json import plan_to_json
 from tests.laser.plans import SHARED, SIGMA_M, two_rooms
 
@@ -96,6 +98,12 @@ def test_a_tolerance_is_a_length_or_a_percentage(text: str, value: float, relati
     assert (found.value, found.relative) == (pytest.approx(value), relative)
 
 
+@pytest.mark.parametrize("text", ["5", "15", "1.0"])
+def test_a_bare_number_that_is_hardly_metres_needs_a_unit(text: str) -> None:
+    with pytest.raises(UsageError, match=f"{text}mm"):
+        parse_tolerance(text)
+
+
 @pytest.fixture
 def work(tmp_path: Path) -> Path:
     (tmp_path / "plan.json").write_text(plan_to_json(PLAN), "utf-8")
@@ -146,3 +154,15 @@ def test_mistakes_have_their_kinds(work: Path, tmp_path: Path) -> None:
     assert isinstance(error_of(str(work / "none"), laser), WorkFolderError)
     (work / "bad.csv").write_text("id,measured_m\nD7,1\n", "utf-8")
     assert isinstance(error_of(str(work), str(work / "bad.csv")), InputError)
+
+
+def test_rows_that_calibrated_the_plan_are_marked_and_prove_nothing() -> None:
+    tied = TiedDistance(2, "D1", 4.02, 0.002, 4.05, 4.0, 4.03, 0.01, used=True)
+    table = parse_laser(b"id,measured_m\nD1,4.02\nD2,3.01\n")
+    result = check_plan(PLAN, table, Calibration(1.0, 0.0, (tied,)))
+    assert [row.calibrated for row in result.rows] == [True, False]
+    assert result.calibrated == 1
+    assert result.mean_m == pytest.approx(0.01)
+    assert check_plan(PLAN, table).mean_m == pytest.approx(0.015)
+    unused = Calibration(1.0, 0.0, (replace(tied, used=False),))
+    assert check_plan(PLAN, table, unused).calibrated == 0
