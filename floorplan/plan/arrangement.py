@@ -16,13 +16,17 @@ NO_REGION = -1
 
 @dataclass(frozen=True)
 class Barrier:
-    """A line that separates rooms, normal to `axis` at `offset_m`, from `start_m` to `end_m`; `solid` False where an opening is closed."""
+    """A line that separates rooms, normal to `axis` at `offset_m`, from `start_m` to `end_m`.
+
+    `solid` False where an opening is closed, `weak` where nothing but the walls beside it speaks for it.
+    """
 
     axis: int
     offset_m: float
     start_m: float
     end_m: float
     solid: bool = True
+    weak: bool = False
 
 
 @dataclass(frozen=True)

@@ -169,9 +169,7 @@ def _runs_of_plane(
 
 def _posts(evidence: PlaneEvidence, verdict: ColumnVerdict, config: PlanConfig, heights: bool) -> list[Run]:
     """Slender pieces as high as the wall band with rays past both ends: piers between two openings, if walls go on beyond those."""
-    if not heights:
-        return []
-    band = slice(evidence.row(config.wall_band_low_m), evidence.row(config.wall_band_high_m))
+    band = slice(evidence.row(config.wall_band_low_m), evidence.row(config.wall_band_high_m)) if heights else slice(0, 1)
     found = []
     for first, last in spans(verdict.wall):
         if (last - first) * evidence.along_step_m > MAX_POST_M + 2 * evidence.along_step_m:

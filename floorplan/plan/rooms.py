@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from shapely import maximum_inscribed_circle
 from shapely.geometry import LineString, MultiPoint, Polygon, box
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
@@ -13,15 +14,18 @@ from floorplan.model.checks import Array
 from floorplan.model.plan import Point, Room, RoomKind
 from floorplan.plan.arrangement import NO_REGION, Arrangement, Barrier, MatterShare, arrange
 from floorplan.plan.bodies import Body
+from floorplan.plan.closures import narrow_barriers, opening_barriers
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M, FreeSpace
-from floorplan.plan.gaps import OPEN_SHARE, Gap
+from floorplan.plan.gaps import Gap
 from floorplan.plan.glazing import GlazedLine, barriers_of
 
 CORRIDOR_WIDTH_M = 3.0  # corridors are narrower ...
 CORRIDOR_STRETCH = 1.5  # ... and at least about four times as long as wide: perimeter^2 / (16 area), 1 for a square
 SAME_LINE_M = 1e-4  # outlines lie on the barriers but for rounding
 MIN_ENCLOSED = 0.9  # a room less enclosed than this by walls and openings is partial
+MAX_NICHE_M2 = 2.0  # larger it is a room of its own, however weakly its door is known
+MIN_GLIMPSE_WIDTH_M = 0.9  # unvisited and narrower: a strip behind a wall of which frames disagree where it stands
 MIN_GLIMPSE_ENCLOSED = 0.5  # unvisited and less enclosed than this: the outdoors behind a window, or nothing known
 
 
@@ -40,11 +44,15 @@ class RoomScene:
 def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
     """Rooms R1.. from the top left; areas without sigma and ceilings without height yet."""
     glass = (barrier for line in scene.glazed for barrier in barriers_of(line, scene.faces))
-    barriers = (*wall_barriers(scene.faces), *opening_barriers(scene, config), *glass)
+    thick = frozenset(index for body in scene.bodies for index in (body.low_face, body.high_face))
+    openings = opening_barriers(scene.faces, scene.gaps, thick, config) + narrow_barriers(scene.faces, config)
+    barriers = (*wall_barriers(scene.faces), *openings, *glass)
     matter = np.array([body.rectangle.bounds for body in scene.bodies]).reshape(-1, 4)
     arrangement = arrange(barriers, scene.space, MatterShare(matter))
     lines = unary_union([_line(barrier) for barrier in barriers]).buffer(SAME_LINE_M)
     shapes = [shape for region in range(arrangement.region.max() + 1) for shape in _polygons(arrangement, region)]
+    weak, strong = (unary_union([_line(barrier) for barrier in barriers if barrier.weak is kind]) for kind in (True, False))
+    shapes = with_niches(shapes, weak.difference(strong.buffer(SAME_LINE_M)), lines)
     rooms = [_room(shape, lines, scene.path_xy_m) for shape in shapes if shape.area >= config.min_room_area_m2]
     kept = sorted((room for room in rooms if room is not None), key=lambda room: (-round(room.label[1]), room.label[0]))
     return tuple(_named(room, number + 1) for number, room in enumerate(kept))
@@ -53,33 +61,6 @@ def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
 def wall_barriers(faces: tuple[FaceRun, ...]) -> tuple[Barrier, ...]:
     """Every drawn stretch of wall."""
     return tuple(Barrier(face.axis, face.offset_m, face.start_m, face.end_m) for face in faces)
-
-
-def opening_barriers(scene: RoomScene, config: PlanConfig) -> tuple[Barrier, ...]:
-    """Openings up to door width, seen through or not, in walls known to be walls: thick, hit above the gap, or unseen there."""
-    thick = {index for body in scene.bodies for index in (body.low_face, body.high_face)}
-    closed = []
-    for gap in scene.gaps:
-        face = scene.faces[gap.face]
-        after = face if gap.after is None else scene.faces[gap.after]
-        in_wall = (
-            gap.lintel
-            or (gap.lintel is None and gap.after is not None)
-            or gap.passed < OPEN_SHARE
-            or gap.face in thick
-            or gap.after in thick
-        )
-        if gap.is_window or (gap.width_m <= config.max_door_width_m and in_wall):
-            closed.append(Barrier(face.axis, face.offset_m, gap.start_m, gap.end_m, solid=False))
-            if after.offset_m != face.offset_m:  # the two sides of the opening are not quite in line: close the step
-                closed.append(_step(face, after, gap))
-    return tuple(closed)
-
-
-def _step(face: FaceRun, after: FaceRun, gap: Gap) -> Barrier:
-    low, high = sorted((face.offset_m, after.offset_m))
-    at = gap.end_m if after.start_m >= gap.end_m - CELL_M else gap.start_m
-    return Barrier(1 - face.axis, at, low, high, solid=False)
 
 
 def _line(barrier: Barrier) -> LineString:
@@ -95,13 +76,38 @@ def _polygons(arrangement: Arrangement, region: int) -> list[Polygon]:
     return [orient(part.simplify(1e-6)) for part in getattr(merged, "geoms", [merged])]
 
 
+def with_niches(shapes: list[Polygon], weak: BaseGeometry, zone: BaseGeometry) -> list[Polygon]:
+    """Small shapes that are closed but for a weak barrier are niches of what lies before it; `zone` is what all barriers cover."""
+    weak_zone = weak.buffer(SAME_LINE_M)
+    result: list[Polygon] = []
+    for shape in sorted(shapes, key=lambda shape: -float(shape.area)):
+        host = _host(shape, result, weak_zone, zone) if shape.area < MAX_NICHE_M2 else None
+        joined = None if host is None else unary_union([result[host], shape])
+        if host is not None and isinstance(joined, Polygon):
+            result[host] = orient(joined.simplify(1e-6))
+        else:
+            result.append(shape)
+    return result
+
+
+def _host(niche: Polygon, larger: list[Polygon], weak_zone: BaseGeometry, zone: BaseGeometry) -> int | None:
+    """The shape (index) before the weak barrier of a niche; None where it has none or is open elsewhere too."""
+    mouth, rest = niche.boundary.intersection(weak_zone), niche.boundary.difference(weak_zone)
+    if mouth.length <= CELL_M or rest.intersection(zone).length < MIN_ENCLOSED * rest.length:
+        return None
+    before = mouth.buffer(SAME_LINE_M)
+    shared = [float(before.intersection(shape.boundary).length) for shape in larger]
+    best = max(range(len(shared)), key=lambda k: shared[k], default=None)
+    return best if best is not None and shared[best] > CELL_M else None
+
+
 def _room(shape: Polygon, lines: BaseGeometry, path_xy_m: Array) -> Room | None:
     """A room of a polygon, or None when it is but open space seen from afar."""
     enclosed = shape.boundary.intersection(lines).length / shape.boundary.length
     visited = shape.intersects(MultiPoint(path_xy_m)) if len(path_xy_m) else False
-    if not visited and enclosed < MIN_GLIMPSE_ENCLOSED:
+    circle = maximum_inscribed_circle(shape, tolerance=CELL_M)
+    if not visited and (enclosed < MIN_GLIMPSE_ENCLOSED or 2 * circle.length < MIN_GLIMPSE_WIDTH_M):
         return None
-    label = _label(shape)
     return Room(
         "",
         _kind(shape),
@@ -110,7 +116,7 @@ def _room(shape: Polygon, lines: BaseGeometry, path_xy_m: Array) -> Room | None:
         float(shape.area),
         0.0,
         tuple(_ring(hole.coords) for hole in shape.interiors),
-        label,
+        (float(circle.coords[0][0]), float(circle.coords[0][1])),
         visited=bool(visited),
         partial=bool(enclosed < MIN_ENCLOSED),
     )
@@ -125,14 +131,6 @@ def _kind(shape: Polygon) -> RoomKind:
     around = shape.boundary.length
     narrow = 2 * shape.area / around <= CORRIDOR_WIDTH_M / 2 * 1.6  # w l / (w + l) of a strip four times as long as wide
     return RoomKind.CORRIDOR if narrow and around**2 / (16 * shape.area) >= CORRIDOR_STRETCH else RoomKind.ROOM
-
-
-def _label(shape: Polygon) -> Point:
-    """The point farthest from the outline, where a stamp has most room."""
-    from shapely import maximum_inscribed_circle
-
-    centre = maximum_inscribed_circle(shape, tolerance=0.05).coords[0]
-    return (float(centre[0]), float(centre[1]))
 
 
 def _named(room: Room, number: int) -> Room:
