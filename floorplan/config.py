@@ -29,6 +29,7 @@ class IngestConfig:
 
     # "refine" matches each sweep with those before, "rgbd" makes poses from depth and colour; auto: lasers, and recordings without poses
     odometry: Literal["auto", "recorded", "refine", "rgbd"] = "auto"
+    close_loops: bool = True  # of matched sweeps: places seen again are joined before walls are looked for
     keyframe_distance_m: float = 0.10  # a frame that moved less ...
     keyframe_angle_deg: float = 4.0  # ... and turned less than this since the last keyframe shows nothing new
     keyframe_gap_s: float = 1.0  # one keyframe at least this often

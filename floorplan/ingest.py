@@ -9,6 +9,7 @@ from floorplan.config import IngestConfig
 from floorplan.errors import InputError, UsageError
 from floorplan.gravity import estimate_gravity
 from floorplan.keyframes import select_keyframes
+from floorplan.loop_closing import close_loops
 from floorplan.model.checks import Array
 from floorplan.model.scan import POSES_MISSING, Frame, GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
 from floorplan.readers.base import BadFrame, Source
@@ -28,8 +29,14 @@ def ingest(source: Source, config: IngestConfig, progress: Progress = no_progres
     if not _is_to_be_refined(recording, config):
         return IngestedScan(recording, keyframes_of(recording, config))
     recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
-    recording = with_level_poses(recording, refine_odometry(source, recording, progress).pose)
+    recording = with_level_poses(recording, _matched_poses(source, recording, config, progress))
     return IngestedScan(recording, keyframes_of(recording, config), recorded)
+
+
+def _matched_poses(source: Source, recording: Recording, config: IngestConfig, progress: Progress) -> Array:
+    """Poses (N, 3) x, y, yaw of a level laser after matching its sweeps, and after joining the places it saw again."""
+    refined = refine_odometry(source, recording, progress)
+    return close_loops(refined, progress).pose if config.close_loops else refined.pose
 
 
 def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:

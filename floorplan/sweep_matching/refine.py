@@ -16,6 +16,7 @@ from floorplan.readers.base import BadFrame, Source
 from floorplan.reporting import Progress, no_progress
 from floorplan.sweep_matching.kernels import match
 from floorplan.sweep_matching.local_map import LocalMap
+from floorplan.sweep_matching.recover import searched
 from floorplan.sweep_matching.surfaces import SweepSurfaces, sweep_surfaces
 
 # The odometry's step as a prior: a tenth of the motion is common slip, the tail takes the rest.
@@ -25,44 +26,82 @@ _FIRST_GATE_M, _LAST_GATE_M = 0.4, 0.1  # a slip between two sweeps; furniture o
 _CAUCHY_SIGMAS = 3.0
 _BEAM_SHARE = 0.2  # neighbouring beams share their window and the wall's own roughness
 _ROUNDS = 12
+_DOUBTFUL_SHARE = 0.75  # ordinary sweeps fit by 0.85 and more; a sweep that fits less is looked for all around ...
+_CLEARLY_MORE, _LEAST_FOUND_SHARE = 0.2, 0.6  # ... and goes where it fits well and by so much better
+_FOUND_M, _FOUND_RAD = 0.15, math.radians(1.5)  # how well the search knows a pose
 _LEAST_SHARE = 0.3  # of the sweep matched; with less it is another place, or nothing is in view
 _NEW_PLACE_SHARE = 0.8  # ... and with less than this the map must grow at once, before the next sweep
 _LEAST_POINTS = 10
 _RECENT_STEPS = 5.0  # that the two predictions are judged by
 _CLEARLY = 0.5
+_TREMBLE_M, _TREMBLE_RAD = 0.001, math.radians(0.02)  # of a step at rest
+_NODE_STEP_M, _NODE_TURN_RAD = 0.5, math.radians(30.0)  # motion after which a sweep's surfaces are kept
 _MAP_STEP_M, _MAP_TURN_RAD = 0.25, math.radians(10.0)  # motion after which the map takes another sweep
 _OPTIONS = np.array([_FIRST_GATE_M, _LAST_GATE_M, _CAUCHY_SIGMAS, _BEAM_SHARE, _ROUNDS, _SLIP_FREEDOM])
 
 
 @dataclass(frozen=True)
 class RefinedOdometry:
-    """Poses (N, 3) x, y, yaw in the odometry's world; `matched (N,)` share of each sweep's surfaces that fitted the map."""
+    """Poses (N, 3) x, y, yaw in the odometry's world; `matched (N,)` share of each sweep's surfaces that fitted the map.
+
+    `step_covariance (N, 3, 3)` of the step that ends at each sweep, in that world: what surfaces and odometry together say, so
+    that a bare corridor leaves its own direction to the odometry. `node (M,)` sweeps half a metre or 30 degrees apart whose `surfaces` are kept.
+    """
 
     pose: Array
     matched: Array
+    step_covariance: Array
+    node: Array
+    surfaces: tuple[SweepSurfaces, ...]
 
 
 def refine_odometry(source: Source, recording: Recording, progress: Progress = no_progress) -> RefinedOdometry:
     """Match every sweep of a level laser, in time order, with what was seen before it."""
     recorded = level_poses(recording)
-    pose, matched = recorded.copy(), np.zeros(len(recorded))
-    around, placed, path_m, trust = LocalMap(), None, 0.0, _Trust()
+    pose, matched, covariance = recorded.copy(), np.zeros(len(recorded)), np.zeros((len(recorded), 3, 3))
+    around, placed, path_m, trust, nodes = LocalMap(), None, 0.0, _Trust(), _Nodes()
     for k, frame in enumerate(source.frames(range(len(recorded)))):
         step = relative_pose(recorded[k - 1], recorded[k]) if k else np.zeros(3)
-        guess = trust.better(step)
-        pose[k] = moved(pose[k - 1], guess) if k else recorded[0]
         path_m += math.hypot(step[0], step[1])
+        best = _Placed(moved(pose[k - 1], step) if k else recorded[0])
         if not isinstance(frame, BadFrame):
             seen = sweep_surfaces(frame, recording.sensor)
             if len(seen.row) >= _LEAST_POINTS:
-                pose[k], matched[k] = _matched(seen, pose[k], guess, around)
-                if matched[k] >= _LEAST_SHARE:
-                    trust.learn(step, relative_pose(pose[k - 1], pose[k]))
-                if placed is None or matched[k] < _NEW_PLACE_SHARE or _went_on(pose[k] - placed):
-                    around.add(seen, pose[k], path_m)
-                    placed = pose[k]
+                best = trust.placed(seen, pose[max(k - 1, 0)], best.pose, step, around)
+                if placed is None or best.share < _NEW_PLACE_SHARE or _went_on(best.pose - placed):
+                    around.add(seen, best.pose, path_m)
+                    placed = best.pose
+                nodes.take(k, best.pose, seen)
+        pose[k], matched[k] = best.pose, best.share
+        covariance[k] = np.linalg.inv(best.information + _step_information(step))
         progress(k + 1, len(recorded))
-    return RefinedOdometry(pose, matched)
+    return RefinedOdometry(pose, matched, covariance, np.array(nodes.row, dtype=np.int64), tuple(nodes.surfaces))
+
+
+@dataclass
+class _Nodes:
+    """Sweeps after so much motion that each shows something new: enough to know a place by."""
+
+    row: list[int] = field(default_factory=list)
+    surfaces: list[SweepSurfaces] = field(default_factory=list)
+    last: Array | None = None
+
+    def take(self, row: int, pose: Array, seen: SweepSurfaces) -> None:
+        """Keep this sweep, if it is far enough from the last one kept."""
+        motion = np.full(3, np.inf) if self.last is None else pose - self.last
+        if math.hypot(motion[0], motion[1]) >= _NODE_STEP_M or abs(motion[2]) >= _NODE_TURN_RAD:
+            self.row.append(row)
+            self.surfaces.append(seen)
+            self.last = pose.copy()
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """A sweep's pose (3,), the share of it that fits the map there, and what its surfaces know of the pose (3, 3)."""
+
+    pose: Array
+    share: float = 0.0
+    information: Array = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 @dataclass
@@ -73,11 +112,17 @@ class _Trust:
     odometry_m: float = 0.0
     going_on_m: float = 0.0
 
-    def better(self, step: Array) -> Array:
-        """The recorded step (3,), or the last matched one where that has been nearer the truth."""
-        return self.last if self.going_on_m < _CLEARLY * self.odometry_m else step
+    def placed(self, seen: SweepSurfaces, before: Array, predicted: Array, step: Array, around: LocalMap) -> _Placed:
+        """Where the sweep fits, from the recorded step, and from the last matched one where that has been nearer the truth of late."""
+        best = _placed(seen, predicted, step, around)
+        if self.going_on_m < _CLEARLY * self.odometry_m:
+            other = _placed(seen, moved(before, self.last), self.last, around)
+            best = other if other.share >= best.share else best
+        if best.share >= _LEAST_SHARE:
+            self._learn(step, relative_pose(before, best.pose))
+        return best
 
-    def learn(self, step: Array, found: Array) -> None:
+    def _learn(self, step: Array, found: Array) -> None:
         """Compare both with the step that matching found."""
         for name, told in (("odometry_m", step), ("going_on_m", self.last)):
             error = math.hypot(*(found - told)[:2])
@@ -85,14 +130,32 @@ class _Trust:
         self.last = found
 
 
-def _matched(seen: SweepSurfaces, predicted: Array, step: Array, around: LocalMap) -> tuple[Array, float]:
-    """The pose after matching and the share that fitted; the prediction itself where too little does."""
+def _step_information(step: Array) -> Array:
+    """What the odometry says of a step (3, 3) where errors add up: a sensor at rest stays where it is."""
+    sigma_m, sigma_rad = _TREMBLE_M + _SLIP * math.hypot(step[0], step[1]), _TREMBLE_RAD + _SLIP * abs(step[2])
+    return np.diag((sigma_m**-2, sigma_m**-2, sigma_rad**-2))
+
+
+def _placed(seen: SweepSurfaces, predicted: Array, step: Array, around: LocalMap) -> _Placed:
+    """The sweep where it fits best, near the prediction or, when it does not fit there, all around; else at the prediction."""
     if len(around.points) < _LEAST_POINTS:
-        return predicted, 0.0
+        return _Placed(predicted)
     sigma_m, sigma_rad = _REST_M + _SLIP * math.hypot(step[0], step[1]), _REST_RAD + _SLIP * abs(step[2])
+    best = _matched(seen, predicted, sigma_m, sigma_rad, around)
+    if best.share < _DOUBTFUL_SHARE:
+        elsewhere = searched(seen, predicted, step, around.points)
+        if elsewhere is not None:
+            other = _matched(seen, elsewhere, _FOUND_M, _FOUND_RAD, around)
+            best = other if other.share > max(_LEAST_FOUND_SHARE, best.share + _CLEARLY_MORE) else best
+    return best if best.share >= _LEAST_SHARE else _Placed(predicted, best.share)
+
+
+def _matched(seen: SweepSurfaces, predicted: Array, sigma_m: float, sigma_rad: float, around: LocalMap) -> _Placed:
     prior = np.diag((sigma_m**-2, sigma_m**-2, sigma_rad**-2))
-    pose, _, share = match(seen.row, seen.sigma_m, predicted, prior, around.points, around.frame, around.start, around.order, _OPTIONS)
-    return (pose, share) if share >= _LEAST_SHARE else (predicted, share)
+    pose, information, share = match(
+        seen.row, seen.sigma_m, predicted, prior, around.points, around.frame, around.start, around.order, _OPTIONS
+    )
+    return _Placed(pose, share, information)
 
 
 def level_poses(recording: Recording) -> Array:
