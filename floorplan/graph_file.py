@@ -20,7 +20,7 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
     "facing": ("M",),
     "extent": ("M", 3, 2),
 }
-_MAY_BE_THERE: dict[str, tuple[int | str, ...]] = {"sigma": ("K",), "link": ("B",), "link_sigma": ("B", 3)}
+_MAY_BE_THERE: dict[str, tuple[int | str, ...]] = {"sigma": ("K",), "map_sigma": ("N",), "link": ("B",), "link_sigma": ("B", 3)}
 _WHOLE_NUMBERS = ("frame", "track", "axis", "facing", "link")
 DEFAULT_LINK_SIGMA_M = 0.5  # of a rough pose that came without one: a step to the side
 _MAY_BE_NAN = ("extent",)
@@ -40,6 +40,8 @@ def save_graph(graph: LayoutGraph, path: Path) -> None:
     }
     if graph.sigma_m is not None:
         arrays["sigma"] = graph.sigma_m
+    if graph.map_sigma_m is not None:
+        arrays["map_sigma"] = graph.map_sigma_m
     if len(graph.link):
         arrays |= {"link": graph.link, "link_sigma": graph.link_sigma_m}
     with path.open("wb") as file:
@@ -69,6 +71,7 @@ def load_graph(path: Path) -> LayoutGraph:
         facing=arrays["facing"],
         extent_m=arrays["extent"],
         sigma_m=arrays.get("sigma"),
+        map_sigma_m=arrays.get("map_sigma"),
         link=links,
         link_sigma_m=arrays["link_sigma"],
     )

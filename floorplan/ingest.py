@@ -29,14 +29,13 @@ def ingest(source: Source, config: IngestConfig, progress: Progress = no_progres
     if not _is_to_be_refined(recording, config):
         return IngestedScan(recording, keyframes_of(recording, config))
     recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
-    recording = with_level_poses(recording, _matched_poses(source, recording, config, progress))
-    return IngestedScan(recording, keyframes_of(recording, config), recorded)
-
-
-def _matched_poses(source: Source, recording: Recording, config: IngestConfig, progress: Progress) -> Array:
-    """Poses (N, 3) x, y, yaw of a level laser after matching its sweeps, and after joining the places it saw again."""
     refined = refine_odometry(source, recording, progress)
-    return close_loops(refined, progress).pose if config.close_loops else refined.pose
+    if not config.close_loops:
+        recording = with_level_poses(recording, refined.pose)
+        return IngestedScan(recording, keyframes_of(recording, config), recorded)
+    closed = close_loops(refined, progress)
+    recording = with_level_poses(recording, closed.pose)
+    return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=closed.sigma_m)
 
 
 def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:

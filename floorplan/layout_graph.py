@@ -29,8 +29,9 @@ def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -
         facing=tracks.facing,
         extent_m=tracks.extent_m,
         sigma_m=rows.sigma_m,
-        heading_sigma_rad=float(np.median(segmented.frames.yaw_sigma_rad)),
+        heading_sigma_rad=0.0 if scan.mapped else float(np.median(segmented.frames.yaw_sigma_rad)),
         range_accuracy=range_accuracy(recording.sensor),
+        map_sigma_m=None if scan.map_sigma_m is None else scan.map_sigma_m[scan.keyframe],
         link=np.array([part.first_keyframe - 1 for part in scan.linked], dtype=np.int64),
         link_sigma_m=np.array([part.link_sigma_m for part in scan.linked]).reshape(-1, 3),
     )

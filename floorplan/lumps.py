@@ -38,7 +38,15 @@ def lumped(window: Window, sigma_m: Array, length_m: float = LUMP_M) -> tuple[La
     mean = np.bincount(row, sigma[rows] ** -2 * distance, len(name)) / weight
     stamp = np.bincount(lump, graph.stamp_s, count) / size
     whole = LayoutGraph(
-        stamp, np.diff(centre, axis=0), name // len(graph.axis), name % len(graph.axis), mean, graph.axis, graph.facing, graph.extent_m
+        stamp,
+        np.diff(centre, axis=0),
+        name // len(graph.axis),
+        name % len(graph.axis),
+        mean,
+        graph.axis,
+        graph.facing,
+        graph.extent_m,
+        map_sigma_m=None if graph.map_sigma_m is None else np.bincount(lump, graph.map_sigma_m, count) / size,
     )
     return whole, weight**-0.5
 

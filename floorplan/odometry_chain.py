@@ -9,6 +9,8 @@ from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel, VerticalDrift
 
 PX, PY, SCALE, SIDEWAYS = 0, 1, 2, 3  # states of a frame of the joint chain
+MAP_CORRELATION_M = 2.0  # of path: neighbouring places of a map are off together
+STANDING_M = 1e-4  # of path that a frame at rest counts for
 STEP_FLOOR_M = 0.01  # a sensor that stands still still trembles: keeps every odometry row's variance above zero
 
 
@@ -40,12 +42,15 @@ def plain_chain(translation_m: Array, weight: Array) -> Chain:
     return builder.chain(pinned=1)
 
 
-def joint_chain(translation_m: Array, drift: DriftModel, links: Links = NO_LINKS, step_m: Array | None = None) -> Chain:
+def joint_chain(
+    translation_m: Array, drift: DriftModel, links: Links = NO_LINKS, step_m: Array | None = None, map_sigma_m: Array | None = None
+) -> Chain:
     """x and y together, states (px, py, s, w) and one dense column g, the global scale.
 
     `p_{i+1} - p_i - (s_i + g) u_i - w_i J u_i = t_i`, J a quarter turn; `s` and `w` are AR(1) in the path length. `u_i` is the true step
     as far as it is known: `step_m (N-1, 2 or 3)`, of an earlier solution; None: `t_i` itself, whose error is in the rates as well, so that
     passes that came out short weigh more and long distances come out short by about twice the variance of `s`.
+    `map_sigma_m (N,)`: the odometry is a map, and no frame is far from where that has it.
     """
     t = translation_m[:, :2]
     u = t if step_m is None else step_m[:, :2]
@@ -58,6 +63,8 @@ def joint_chain(translation_m: Array, drift: DriftModel, links: Links = NO_LINKS
     variance[links.row] = links.sigma_m[:, :2] ** 2
     _add_steps(builder, t, felt, variance)
     _add_rates(builder, u, drift, links)
+    if map_sigma_m is not None:
+        _add_map(builder, t, map_sigma_m)
     builder.dense_information += drift.global_scale_sigma**-2
     builder.log_weight -= 2 * np.log(drift.global_scale_sigma)
     return builder.chain(pinned=2)
@@ -98,6 +105,14 @@ def _add_steps(builder: "_Builder", t: Array, felt: Array, variance: Array) -> N
     builder.add_rows(here, there, -felt[:, :, None], t, 1.0 / variance)
 
 
+def _add_map(builder: "_Builder", t: Array, sigma_m: Array) -> None:
+    """Rows `p_i = sum of the steps before`; frames closer together than MAP_CORRELATION_M share one error, and one such row."""
+    half = 0.5 * np.linalg.norm(t, axis=1)
+    share = np.concatenate((half, [0.0])) + np.concatenate(([0.0], half)) + STANDING_M
+    weight = share / MAP_CORRELATION_M / sigma_m**2
+    builder.add_places((PX, PY), np.concatenate((np.zeros((1, 2)), np.cumsum(t, axis=0))), weight)
+
+
 def _add_rates(builder: "_Builder", u: Array, drift: DriftModel, links: Links) -> None:
     length = np.maximum(np.linalg.norm(u, axis=1), STEP_FLOOR_M)
     memory = _memory(length, drift.correlation_m, links)
@@ -126,6 +141,14 @@ class _Builder:
         """Independent zero-mean priors on one frame's states; weight 0 means none."""
         self.diagonal[frame] += np.diag(weight)
         self.log_weight += float(np.log([w for w in weight if w > 0]).sum())
+
+    def add_places(self, states: tuple[int, ...], value: Array, weight: Array) -> None:
+        """Rows `x_i[state] = value` of the given `weight (N,)` for each of the states: `value (N, len(states))`."""
+        for column, state in enumerate(states):
+            self.diagonal[:, state, state] += weight
+            self.rhs[:, state] += weight * value[:, column]
+            self.square_sum += float((weight * value[:, column] ** 2).sum())
+            self.log_weight += float(np.log(weight).sum())
 
     def add_rows(self, here: Array, there: Array, wide: Array | None, value: Array, weight: Array) -> None:
         """Rows `here_i x_i + there_i x_{i+1} + wide_i g = value_i`: (N-1, rows, n), (N-1, rows, G), (N-1, rows)."""

@@ -33,7 +33,10 @@ def build_system(graph: LayoutGraph, noise: ScanNoise, axes: tuple[int, ...], fo
     links = Links(graph.link, graph.link_sigma_m)
     level = axes == LEVEL_AXES
     steps = graph.translation_m
-    chain = joint_chain(steps, noise.drift, links, noise.step_m) if level else upright_chain(steps, noise.vertical, links)
+    if level:
+        chain = joint_chain(steps, noise.drift, links, noise.step_m, graph.map_sigma_m)
+    else:
+        chain = upright_chain(steps, noise.vertical, links)
     return AxisSystem(axes, tracks, eliminate(chain, rows, len(tracks), forgotten))
 
 

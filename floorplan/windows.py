@@ -47,5 +47,6 @@ def _window(graph: LayoutGraph, rows: Array, low: int, high: int) -> Window:
         graph.facing[tracks],
         graph.extent_m[tracks],
         None if graph.sigma_m is None else graph.sigma_m[rows],
+        map_sigma_m=None if graph.map_sigma_m is None else graph.map_sigma_m[low:high],
     )
     return Window(piece, rows, tracks, low)

@@ -1,5 +1,6 @@
 """The layout graph: odometry rows, measurements, signs, and the exchange file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from floorplan.layout_graph import layout_graph, with_signs_from_facing
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.scan import GravitySource, IngestedScan, NoiseModel, Recording, Sensor, SensorKind
 from floorplan.model.segment import EvidencePoints, FreePatches, ManhattanFrames, SegmentedScan, Segments, Tracks
-from floorplan.odometry_steps import odometry_rows
+from floorplan.odometry_steps import keyframe_steps, odometry_rows
 from tests.graphs import graph_along_x, loop_graph
 
 
@@ -43,6 +44,20 @@ def test_odometry_steps_are_turned_from_the_odometry_s_world_into_the_axis_align
     odom, world = np.tile(np.eye(3), (2, 1, 1)), np.tile(rotation_about_z(np.array(np.pi / 2)), (2, 1, 1))
     step = odometry_rows(np.array([[0.0, 0, 0], [2.0, 0, 0.5]]), odom, world)
     np.testing.assert_allclose(step, [[0, 2, 0.5]], atol=1e-12)
+
+
+def test_a_map_is_turned_as_a_whole_and_bent_only_where_frames_differ_by_more_than_their_errors() -> None:
+    noise = np.radians([0.4, -0.3, 0.5, -0.5, 0.2, 0.0, 6.0])
+    position = np.column_stack((np.arange(7.0), np.zeros((7, 2))))
+    world = rotation_about_z(np.radians(30.0) + noise)
+    scan = replace(scan_of(position, np.tile(np.eye(3), (7, 1, 1)), list(range(7))), mapped=True)
+    step = keyframe_steps(scan, world)
+    heading = np.degrees(np.arctan2(step[:, 1], step[:, 0]))
+    np.testing.assert_allclose(heading, np.degrees(np.median(noise)) + 30.0, atol=1e-9)
+    free = keyframe_steps(replace(scan, mapped=False), world)
+    np.testing.assert_allclose(np.degrees(np.arctan2(free[:, 1], free[:, 0])), 30.0 + np.degrees(noise[:-1]), atol=1e-9)
+    last = keyframe_steps(replace(scan, keyframe=np.array([5, 6])), rotation_about_z(np.radians([30.0, 36.0])))
+    assert 30.0 < np.degrees(np.arctan2(last[0, 1], last[0, 0])) < 33.0
 
 
 def test_rows_join_keyframes_and_pieces_of_one_track_in_one_frame_become_one_row() -> None:

@@ -43,6 +43,7 @@ _NORMAL_SCALE_RANGE = (1.0, 4.0)
 _NEAR_AXIS_RAD = math.radians(12.0)  # normals this close to the compass belong to its walls
 _SIGMA_OF_MEDIAN = 1.4826
 _REFINE_HALF_WIDTH_RAD = math.radians(4.0)
+_MAP_HALF_WIDTH_RAD = math.radians(2.0)  # of an odometry that is a map: one direction all over, whatever walls a wing has
 
 
 @dataclass(frozen=True)
@@ -66,10 +67,13 @@ def survey(
     sample = _sample(scan, odometry.step_m)
     noise_scale, directions = _look(scan, source, sample, odometry, progress, jobs)
     histograms = np.stack([quarter_histogram(d) for d in directions])
+    if scan.mapped:
+        coarse = np.full(len(sample), histograms.sum(axis=0).argmax() * BIN_RAD)
+        return _prior_from_path(coarse, directions, sample, odometry, noise_scale, _MAP_HALF_WIDTH_RAD)
     sample_turn = np.abs(np.add.reduceat(np.concatenate((np.abs(odometry.turn_rad), [0.0])), sample)[:-1])
     peak = histograms.argmax(axis=1) * BIN_RAD
     coarse = best_path(histograms, step_sigma_rad(peak, histograms.max(axis=1), sample_turn))
-    return _prior_from_path(coarse, directions, sample, odometry, noise_scale)
+    return _prior_from_path(coarse, directions, sample, odometry, noise_scale, _REFINE_HALF_WIDTH_RAD)
 
 
 def _levelled_odometry(scan: IngestedScan) -> _Odometry:
@@ -144,13 +148,13 @@ def _glance(frame: Frame, sensor: Sensor, level_from_sensor: Array) -> _Glance:
     return _Glance(float(np.quantile(ratio, _NOISE_QUANTILE)) if len(ratio) else math.nan, upright)
 
 
-def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array, odometry: _Odometry, noise_scale: float) -> CompassPrior:
+def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array, odometry: _Odometry, noise_scale: float, half_width_rad: float) -> CompassPrior:
     """Refine the path frame by frame, smooth it, and carry it to the keyframes between."""
     count = len(odometry.level_from_sensor)
     reading, sigma = np.zeros(count), np.full(count, np.inf)
     spreads: list[float] = []
     for k, near, found in zip(sample, coarse, directions, strict=True):
-        estimate = refine_yaw(found, near, _REFINE_HALF_WIDTH_RAD)
+        estimate = refine_yaw(found, near, half_width_rad)
         if estimate is not None:
             reading[k] = near + wrap_to(estimate.yaw_rad - near, QUARTER_RAD)
             sigma[k] = estimate.sigma_rad / max(estimate.share, 0.1)

@@ -32,14 +32,18 @@ _MOST_PLACES = 3
 _TOLD_M, _TOLD_RAD = 0.10, math.radians(1.0)  # a joint that moves its pose by this much is worth solving for ...
 _NEWS_PATH_M = 4.0  # ... after so much path, one that moves it further sooner
 _ROUNDS_BETWEEN = 4
+_SURE_M, _RATE = 0.02, 0.02  # of a place in the best map, and per root of the way from where loops were closed
+_UNKNOWN_M = 100.0  # of a place where none were
 _WRONG = 25.0  # squared sigmas, of a joint that contradicts all others
 
 
 @dataclass(frozen=True)
 class ClosedLoops:
-    """Poses (N, 3) of all sweeps with the loops closed, `joined` loops used and `rejected` that contradicted the rest."""
+    """Poses (N, 3) of all sweeps with the loops closed, how well each place is known `sigma_m (N,)`, `joined` loops used and
+    `rejected` that contradicted the rest."""
 
     pose: Array
+    sigma_m: Array
     joined: int
     rejected: int
 
@@ -47,7 +51,7 @@ class ClosedLoops:
 def close_loops(refined: RefinedOdometry, progress: Progress = no_progress) -> ClosedLoops:
     """The refined trajectory after all places seen again were joined."""
     if len(refined.node) < _FEWEST_NODES:
-        return ClosedLoops(refined.pose, 0, 0)
+        return ClosedLoops(refined.pose, np.full(len(refined.pose), _UNKNOWN_M), 0, 0)
     start = refined.pose[refined.node]
     path = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(start[:, :2], axis=0).T))))
     bearings = follow_walls(start[:, 2], path, refined.surfaces)
@@ -139,7 +143,20 @@ class _Search:
             self.loops = [pair for pair, bad in zip(self.loops, wrong, strict=True) if not bad]
             self.found = [known for known, bad in zip(self.found, wrong, strict=True) if not bad]
             self.pose = solve_poses(self.pose, self.joints(), self.bearings)
-        return ClosedLoops(_all_sweeps(refined, self.pose), len(self.loops), int(wrong.sum()))
+        sigma = np.interp(np.arange(len(refined.pose)), refined.node, self._sigma_m())
+        return ClosedLoops(_all_sweeps(refined, self.pose), sigma, len(self.loops), int(wrong.sum()))
+
+    def _sigma_m(self) -> Array:
+        """How well the nodes' places are known (M,): as the loops agree, and drifting with the way to the nearest of them."""
+        if not self.loops:
+            return np.full(len(self.path_m), _UNKNOWN_M)
+        pairs = np.array(self.loops)
+        off = relative_poses(self.pose[pairs[:, 0]], self.pose[pairs[:, 1]])[:, :2] - np.array([f.relative[:2] for f in self.found])
+        agreed = max(float(np.median(np.hypot(off[:, 0], off[:, 1]))), _SURE_M)
+        joined = np.unique(self.path_m[pairs])
+        after = np.clip(np.searchsorted(joined, self.path_m), 1, len(joined) - 1)
+        way = np.minimum(np.abs(self.path_m - joined[after - 1]), np.abs(self.path_m - joined[after]))
+        return np.hypot(agreed, _RATE * np.sqrt(way))
 
 
 def _chain(refined: RefinedOdometry) -> Joints:

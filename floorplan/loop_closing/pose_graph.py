@@ -1,7 +1,8 @@
 """Level poses joined by measured relative poses: robust Gauss-Newton over all of them at once.
 
-A joint says how one pose is seen from another, with an information matrix: nothing is claimed along a bare corridor. All
-joints are heavy-tailed: a slip of the wheels, like a wrong loop, is an outlier and not a drift.
+A joint says how one pose is seen from another, with an information matrix: nothing is claimed along a bare corridor. A slip
+of the wheels is an outlier and not a drift: beyond a few sigmas links of the chain pull with constant force, which keeps the
+chain whole; loops and bearings that fit badly hardly count.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from floorplan.geometry import wrap_to
 from floorplan.loop_closing.bearings import Bearings
 from floorplan.model.checks import Array, freeze
 
-FREEDOM = 4.0  # Student degrees of freedom of a joint's error: a joint 4 sigmas off counts a fifth
+FREEDOM = 4.0  # squared sigmas at which an error begins to count less: a loop 4 sigmas off counts a fifth
 ROUNDS = 12  # for the last time; while loops are still being looked for a few bring the poses near enough
 CONVERGED = 1e-4  # metres and radians
 HELD = 1e12  # information of the first pose: the gauge
@@ -82,8 +83,9 @@ def _step(pose: Array, joints: Joints, bearings: Bearings) -> Array:
     """One Gauss-Newton step (N, 3) with every joint and bearing weighted by how well it fits now."""
     here, there = _jacobians(pose, joints)
     error = _errors(pose, joints)
-    square = np.einsum("ji,jik,jk->j", error, joints.information, error)
-    weighted = joints.information * (FREEDOM / (FREEDOM + square))[:, None, None]
+    poor = 1.0 + np.einsum("ji,jik,jk->j", error, joints.information, error) / FREEDOM
+    weight = 1.0 / np.where(joints.second == joints.first + 1, np.sqrt(poor), poor)
+    weighted = joints.information * weight[:, None, None]
     count = 3 * len(pose)
     blocks, rows, columns, right = [], [], [], np.zeros((len(pose), 3))
     for at, left in ((joints.first, here), (joints.second, there)):

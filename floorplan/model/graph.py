@@ -20,6 +20,7 @@ class LayoutGraph:
     `axis (M,)`; `facing (M,)`; `extent_m (M, 3, 2)` box in dead-reckoned coordinates, NaN where unknown;
     `sigma_m (K,)` or None. `heading_sigma_rad` how well the yaw that turned the odometry rows is known.
     `range_accuracy` of the sensor, None where nothing is known of it.
+    `map_sigma_m (N,)` where the odometry is a map with its loops closed: how well the place of each frame is known in it.
     Stamps are relative to nothing in particular: only their order and differences count.
     Several scans make one graph: `link (B,)` the odometry rows that lead from the last frame of one scan to the first of the
     next, no odometry but a rough pose known to `link_sigma_m (B, 3)`.
@@ -36,6 +37,7 @@ class LayoutGraph:
     sigma_m: Array | None = None
     heading_sigma_rad: float = 0.0
     range_accuracy: RangeAccuracy | None = None
+    map_sigma_m: Array | None = None
     link: Array = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     link_sigma_m: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
@@ -52,6 +54,7 @@ class LayoutGraph:
                 "facing": (np.int64, ("M",)),
                 "extent_m": (np.float64, ("M", 3, 2)),
                 "sigma_m": (np.float64, ("K",)),
+                "map_sigma_m": (np.float64, ("N",)),
                 "link": (np.int64, ("B",)),
                 "link_sigma_m": (np.float64, ("B", 3)),
             },

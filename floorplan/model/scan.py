@@ -191,14 +191,22 @@ class IngestedScan:
 
     `keyframe (F,)` are rows of `recording`, increasing; chosen by change of view. Everything called
     "frame" in later stages (`Segments.frame`, `LayoutGraph.frame`) is an index into `keyframe`.
-    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones. `parts` are the scans it
-    was joined from, in order, whose stamps may overlap; empty for a scan that is one recording.
+    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones. `map_sigma_m (N,)` where those are one
+    map, places seen again joined: how well each place is known; errors do not add up along the path, and the poses' world has one
+    direction all over. None: odometry that drifts.
+    `parts` are the scans it was joined from, in order, whose stamps may overlap; empty for a scan that is one recording.
     """
 
     recording: Recording
     keyframe: Array
     recorded_odometry: Trajectory | None = None
     parts: tuple[ScanPart, ...] = ()
+    map_sigma_m: Array | None = None
+
+    @property
+    def mapped(self) -> bool:
+        """Whether the odometry is a map."""
+        return self.map_sigma_m is not None
 
     @property
     def linked(self) -> tuple[ScanPart, ...]:
@@ -206,4 +214,4 @@ class IngestedScan:
         return self.parts[1:]
 
     def __post_init__(self) -> None:
-        freeze(self, {"keyframe": (np.int64, ("F",))})
+        freeze(self, {"keyframe": (np.int64, ("F",)), "map_sigma_m": (np.float64, ("N",))})
