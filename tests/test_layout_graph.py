@@ -50,11 +50,11 @@ def test_a_map_is_turned_as_a_whole_and_bent_only_where_frames_differ_by_more_th
     noise = np.radians([0.4, -0.3, 0.5, -0.5, 0.2, 0.0, 6.0])
     position = np.column_stack((np.arange(7.0), np.zeros((7, 2))))
     world = rotation_about_z(np.radians(30.0) + noise)
-    scan = replace(scan_of(position, np.tile(np.eye(3), (7, 1, 1)), list(range(7))), mapped=True)
+    scan = replace(scan_of(position, np.tile(np.eye(3), (7, 1, 1)), list(range(7))), map_sigma_m=np.full(7, 0.02))
     step = keyframe_steps(scan, world)
     heading = np.degrees(np.arctan2(step[:, 1], step[:, 0]))
     np.testing.assert_allclose(heading, np.degrees(np.median(noise)) + 30.0, atol=1e-9)
-    free = keyframe_steps(replace(scan, mapped=False), world)
+    free = keyframe_steps(replace(scan, map_sigma_m=None), world)
     np.testing.assert_allclose(np.degrees(np.arctan2(free[:, 1], free[:, 0])), 30.0 + np.degrees(noise[:-1]), atol=1e-9)
     last = keyframe_steps(replace(scan, keyframe=np.array([5, 6])), rotation_about_z(np.radians([30.0, 36.0])))
     assert 30.0 < np.degrees(np.arctan2(last[0, 1], last[0, 0])) < 33.0

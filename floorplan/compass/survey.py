@@ -148,7 +148,9 @@ def _glance(frame: Frame, sensor: Sensor, level_from_sensor: Array) -> _Glance:
     return _Glance(float(np.quantile(ratio, _NOISE_QUANTILE)) if len(ratio) else math.nan, upright)
 
 
-def _prior_from_path(coarse: Array, directions: list[Directions], sample: Array, odometry: _Odometry, noise_scale: float, half_width_rad: float) -> CompassPrior:
+def _prior_from_path(
+    coarse: Array, directions: list[Directions], sample: Array, odometry: _Odometry, noise_scale: float, half_width_rad: float
+) -> CompassPrior:
     """Refine the path frame by frame, smooth it, and carry it to the keyframes between."""
     count = len(odometry.level_from_sensor)
     reading, sigma = np.zeros(count), np.full(count, np.inf)

@@ -156,7 +156,7 @@ class _Search:
         joined = np.unique(self.path_m[pairs])
         after = np.clip(np.searchsorted(joined, self.path_m), 1, len(joined) - 1)
         way = np.minimum(np.abs(self.path_m - joined[after - 1]), np.abs(self.path_m - joined[after]))
-        return np.hypot(agreed, _RATE * np.sqrt(way))
+        return np.asarray(np.hypot(agreed, _RATE * np.sqrt(way)))
 
 
 def _chain(refined: RefinedOdometry) -> Joints:

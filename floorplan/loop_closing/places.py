@@ -69,4 +69,4 @@ def _thinned(row: Array, cell_m: float) -> Array:
     cell = np.floor(row[:, :2] / cell_m).astype(np.int64)
     facing = np.rint(row[:, 2:]).astype(np.int64) + 1
     key = ((cell[:, 0] << 24) + cell[:, 1]) * 16 + facing[:, 0] * 4 + facing[:, 1]
-    return np.unique(key, return_index=True)[1]
+    return np.asarray(np.unique(key, return_index=True)[1])

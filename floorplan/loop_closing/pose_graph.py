@@ -1,8 +1,8 @@
 """Level poses joined by measured relative poses: robust Gauss-Newton over all of them at once.
 
 A joint says how one pose is seen from another, with an information matrix: nothing is claimed along a bare corridor. A slip
-of the wheels is an outlier and not a drift: beyond a few sigmas links of the chain pull with constant force, which keeps the
-chain whole; loops and bearings that fit badly hardly count.
+of the wheels is an outlier and not a drift, like a wrong loop: joints and bearings that fit badly hardly count, though a link of
+the chain always a little.
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ from floorplan.loop_closing.bearings import Bearings
 from floorplan.model.checks import Array, freeze
 
 FREEDOM = 4.0  # squared sigmas at which an error begins to count less: a loop 4 sigmas off counts a fifth
+CHAIN_HOLDS = 0.02  # of a link of the chain counts whatever it says: without it the chain would fall apart
 ROUNDS = 12  # for the last time; while loops are still being looked for a few bring the poses near enough
 CONVERGED = 1e-4  # metres and radians
 HELD = 1e12  # information of the first pose: the gauge
@@ -65,10 +66,10 @@ def squared_errors(pose: Array, joints: Joints) -> Array:
 
 def solve_poses(pose: Array, joints: Joints, bearings: Bearings, rounds: int = ROUNDS) -> Array:
     """Most likely poses (N, 3), started at `pose`, the first held in place."""
-    for _ in range(rounds):
-        step = _step(pose, joints, bearings)
+    for k in range(rounds):
+        step = _step(pose, joints, bearings, drawing_in=2 * k < rounds)
         pose = pose + step
-        if np.abs(step).max() < CONVERGED:
+        if 2 * k >= rounds and np.abs(step).max() < CONVERGED:
             break
     return pose
 
@@ -79,12 +80,16 @@ def _errors(pose: Array, joints: Joints) -> Array:
     return error
 
 
-def _step(pose: Array, joints: Joints, bearings: Bearings) -> Array:
-    """One Gauss-Newton step (N, 3) with every joint and bearing weighted by how well it fits now."""
+def _step(pose: Array, joints: Joints, bearings: Bearings, drawing_in: bool) -> Array:
+    """One Gauss-Newton step (N, 3) with every joint and bearing weighted by how well it fits now.
+
+    `drawing_in`: the first rounds start far away, and loops pull like the chain before those that still do not fit are let go.
+    """
     here, there = _jacobians(pose, joints)
     error = _errors(pose, joints)
     poor = 1.0 + np.einsum("ji,jik,jk->j", error, joints.information, error) / FREEDOM
-    weight = 1.0 / np.where(joints.second == joints.first + 1, np.sqrt(poor), poor)
+    fitting = np.where(joints.second == joints.first + 1, np.maximum(1.0 / poor, CHAIN_HOLDS), 1.0 / poor)
+    weight = 1.0 / np.sqrt(poor) if drawing_in else fitting
     weighted = joints.information * weight[:, None, None]
     count = 3 * len(pose)
     blocks, rows, columns, right = [], [], [], np.zeros((len(pose), 3))

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.loop_closing.places import Cloud
-from floorplan.sweep_matching.search_kernels import best_pose, place_picture
 from floorplan.model.checks import Array
 from floorplan.sweep_matching.kernels import build_cells, match
+from floorplan.sweep_matching.search_kernels import best_pose, place_picture
 
 _QUERY_POINTS, _MATCH_POINTS = 250, 400  # of the second place, for the search and for the matching
 _YAW_STEP_RAD = math.radians(1.0)  # 0.2 m at 12 m, about the blur
@@ -74,5 +74,3 @@ def _matched(place: Cloud, seen: Cloud, start: Array, window: Window) -> Recogni
         return None
     told = np.linalg.inv(information + prior) + np.diag((_BENT_M**2, _BENT_M**2, _BENT_RAD**2))
     return Recognised(pose, np.linalg.inv(told), share)
-
-

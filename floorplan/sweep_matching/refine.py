@@ -45,7 +45,8 @@ class RefinedOdometry:
     """Poses (N, 3) x, y, yaw in the odometry's world; `matched (N,)` share of each sweep's surfaces that fitted the map.
 
     `step_covariance (N, 3, 3)` of the step that ends at each sweep, in that world: what surfaces and odometry together say, so
-    that a bare corridor leaves its own direction to the odometry. `node (M,)` sweeps half a metre or 30 degrees apart whose `surfaces` are kept.
+    that a bare corridor leaves its own direction to the odometry. `node (M,)` sweeps half a metre or 30 degrees apart, with what
+    they saw, `surfaces`.
     """
 
     pose: Array

@@ -69,9 +69,9 @@ def best_pose(picture: Array, origin: Array, query: Array, centre: Array, window
     """
     result = np.array([centre[0], centre[1], centre[2], 0.0])
     best = least
-    yaws = int(math.ceil(window[1] / window[2]))
+    yaws = math.ceil(window[1] / window[2])
     coarse = 2 ** (LEVELS - 1)
-    reach = int(math.ceil(window[0] / CELL_M))
+    reach = math.ceil(window[0] / CELL_M)
     starts = 2 * reach // coarse + 1
     count = (2 * yaws + 1) * starts * starts
     bound = np.empty(count)
