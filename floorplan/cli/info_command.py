@@ -1,6 +1,8 @@
 """`floorplan info`."""
 
+import shlex
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from floorplan.cli import options as o
@@ -8,6 +10,7 @@ from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
 
 if TYPE_CHECKING:
     from floorplan.inspection import Inspection
+    from floorplan.readers import Choice
 
 
 def info(
@@ -20,19 +23,35 @@ def info(
     as_json: o.AsJson = False,
     quiet: o.Quiet = False,
 ) -> None:
-    """What is in a recording, and what 'build' would complain about."""
+    """What is in a recording, and what 'build' would complain about; of a folder of recordings, which they are."""
     effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics), *o.trim_settings(trim)])
     o.check_scan(scan)
     from floorplan.inspection import inspect_scan
-    from floorplan.readers import open_scan
+    from floorplan.readers import choices_in, open_scan
     from floorplan.trim import trimmed
 
+    if format is None and (choices := choices_in(scan)):
+        _print_choices(scan, choices, as_json)
+        return
     source = trimmed(open_scan(scan, format, effective.read), effective.ingest.trim)
     facts = inspect_scan(source, effective.ingest, ConsoleReporter(quiet).progress("looking"))
     if as_json:
         echo_json(asdict(facts))
     else:
         _print_facts(facts)
+
+
+def _print_choices(scan: Path, choices: "tuple[Choice, ...]", as_json: bool) -> None:
+    """What a folder of recordings holds, and how to go on."""
+    if as_json:
+        echo_json({"recordings": [{"path": str(choice.path), "format": choice.format} for choice in choices]})
+        return
+    echo(f"{len(choices)} recordings in {scan}:" if len(choices) > 1 else f"one recording in {scan}:")
+    echo_table((str(choice.path), choice.format) for choice in choices)
+    first = " ".join(shlex.quote(str(choice.path)) for choice in choices[:2])
+    echo(f"look at one: floorplan info {shlex.quote(str(choices[0].path))}")
+    if len(choices) > 1:
+        echo(f"several scans of one floor as one plan: floorplan build {first} --dxf plan.dxf")
 
 
 def _print_facts(facts: "Inspection") -> None:

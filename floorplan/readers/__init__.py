@@ -10,6 +10,7 @@ from floorplan.errors import InputError, UsageError
 from floorplan.readers.arkitscenes import ArkitScenesReader
 from floorplan.readers.base import BadFrame, Reader, Source
 from floorplan.readers.carmen import CarmenReader
+from floorplan.readers.choices import Choice, recordings_in
 from floorplan.readers.clouds import CloudsReader
 from floorplan.readers.polycam import PolycamReader
 from floorplan.readers.ros import RosReader
@@ -30,7 +31,7 @@ READERS: tuple[Reader, ...] = (
     CloudsReader(),
 )
 
-__all__ = ["READERS", "BadFrame", "Reader", "Source", "open_scan", "reader_for"]
+__all__ = ["READERS", "BadFrame", "Choice", "Reader", "Source", "choices_in", "open_scan", "reader_for"]
 
 
 def open_scan(path: Path, format: str | None = None, config: ReadConfig | None = None) -> Source:
@@ -48,11 +49,24 @@ def reader_for(path: Path, format: str | None = None) -> Reader:
         raise InputError(f"{path}: no such file or folder. Give the folder that holds the recording, or the log file.")
     if format is not None:
         return _named(format)
+    choices = choices_in(path)
     for reader in READERS:
-        if reader.sniff(path):
+        if not choices and reader.sniff(path):
             return reader
+    if choices:
+        listed = "\n".join(f"  {choice.path} ({choice.format})" for choice in choices)
+        raise InputError(f"{path}: {len(choices)} recordings, not one:\n{listed}\nGive one of them, or several of one floor.")
     sought = "\n".join(f"  {reader.name}: {reader.looks_for}" for reader in READERS)
     raise InputError(f"{path}: the format is not recognised. Looked for:\n{sought}\nGive the folder that holds these, or name the format.")
+
+
+def choices_in(path: Path) -> tuple[Choice, ...]:
+    """The recordings in a folder that is none itself, or that holds several logs; empty where `path` is one recording."""
+    reader = next((reader for reader in READERS if reader.sniff(path)), None)
+    if reader is not None and not (isinstance(reader, CarmenReader) and path.is_dir()):
+        return ()
+    found = recordings_in(path, READERS)
+    return found if reader is None or len(found) > 1 else ()
 
 
 def _named(format: str) -> Reader:
