@@ -6,13 +6,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from floorplan.chain import log_marginal_likelihood
 from floorplan.errors import NoSolutionError
 from floorplan.lumps import lump_length_m, lumped
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, log_likelihood
 from floorplan.windows import Window
 
 RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a variance; beyond, odometry says nothing
@@ -21,7 +20,6 @@ SPANS = (np.log(2.0), np.log(1.6))  # half width of the parabola through three l
 LARGEST_MOVE = 2.0  # spans; a parabola that opens downwards far away is not to be trusted
 LARGEST_DOUBT = 1.0  # variance of a logarithm: no wider than the priors below
 BEND_TINY = 1e-9
-FORGOTTEN = 1e-10  # share of a column not worth carrying on; at 1e-8 likelihoods still change by more than one
 TYPICAL_RATE, TYPICAL_PART, TYPICAL_SLOPE = 0.005, 0.01, 0.003  # odometry of cameras and wheels, where a short scan says nothing
 RATE_SPREAD, PART_SPREAD = 1.2, 1.0  # of their logarithms: factors of 3 either way are ordinary, of 10 happen
 LIKE_SPREAD = 0.7  # of the logarithm of scale over sideways: errors of one odometry along and across are of one size
@@ -106,8 +104,7 @@ def _likelihood(noise: ScanNoise, factor: float, asked: Sequence[_Asked], axes: 
     for piece in asked:
         drift, vertical = _over_lumps(noise.drift, piece.frames), _over_lumps(noise.vertical, piece.frames)
         thin = replace(noise, drift=drift, vertical=vertical, sigma_m=piece.sigma_m * factor, step_m=None)
-        system = build_system(piece.graph, thin, axes, FORGOTTEN)
-        total += log_marginal_likelihood(system.reduced)
+        total += log_likelihood(build_system(piece.graph, thin, axes))
     if not np.isfinite(total):
         raise NoSolutionError("The likelihood of the odometry's drift is not finite: check distances and translations for NaN.")
     return total

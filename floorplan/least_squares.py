@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from floorplan.chain import solve_offsets
 from floorplan.config import LeastSquaresConfig
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.noise import estimate_noise
 from floorplan.reduction import reduce_axis
 from floorplan.rows import AXES, AxisRows, AxisSolution, RowWeights, axis_rows, residual_norm, right_hand_side, split
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
+from floorplan.weighted import solve, systems
 
 
 def least_squares(graph: LayoutGraph, config: LeastSquaresConfig) -> LeastSquaresSolution:
@@ -30,12 +29,9 @@ def robust_least_squares(graph: LayoutGraph) -> LeastSquaresSolution:
     noise = estimate_noise(graph)
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
     offset = np.zeros(len(graph.axis))
-    for axes in (LEVEL_AXES, UPRIGHT_AXES):
-        if np.isin(graph.axis, axes).any():
-            system = build_system(graph, noise, axes)
-            columns = solve_offsets(system.reduced)
-            offset[system.tracks] = columns[: len(system.tracks)]
-            place[:, list(axes)] = positions(system, columns)
+    for system in systems(graph, noise):
+        solved = solve(system)
+        offset[system.tracks], place[:, list(system.axes)] = solved.offset_m, solved.position_m
     return LeastSquaresSolution(place, offset, residual_norm(graph, place, offset), noise)
 
 

@@ -4,13 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from floorplan.chain import solve_offsets
 from floorplan.drift_likelihood import most_likely, vertical_within_bounds, within_bounds
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
 from floorplan.structure import MAD_TO_SIGMA, growth
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, solve, systems
 from floorplan.windows import Window, windows
 
 TRUSTED_SIGMAS = 2.5  # residuals up to here count in full, beyond with weight (2.5 / r)^2: 1 % of Gaussian errors lose a little
@@ -115,13 +114,9 @@ def _solved(graph: LayoutGraph, noise: ScanNoise, pieces: list[Window]) -> tuple
     fitted, step = graph.distance_m.copy(), graph.translation_m.copy()
     for window in pieces:
         g = window.graph
-        for axes in (LEVEL_AXES, UPRIGHT_AXES):
-            if not np.isin(g.axis, axes).any():
-                continue
-            system = build_system(g, windowed(noise, window), axes)
-            columns = solve_offsets(system.reduced)
-            place, offset = positions(system, columns), np.zeros(len(g.axis))
-            offset[system.tracks] = columns[: len(system.tracks)]
+        for system in systems(g, windowed(noise, window)):
+            axes, solved, offset = system.axes, solve(system), np.zeros(len(g.axis))
+            offset[system.tracks], place = solved.offset_m, solved.position_m
             mine = np.nonzero(np.isin(g.axis[g.track], axes))[0]
             fitted[window.rows[mine]] = offset[g.track[mine]] - place[g.frame[mine], g.axis[g.track[mine]] - axes[0]]
             step[window.first_frame : window.first_frame + len(g.translation_m), list(axes)] = np.diff(place, axis=0)

@@ -1,10 +1,11 @@
-"""Builds chains from odometry rows: plain ones, and the joint x-y chain with scale and sideways rates as states."""
+"""Chains of odometry rows: x and y together with scale and sideways rates as states, z with a slope."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from floorplan.chain import Chain
+from floorplan.chain_builder import ChainBuilder
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel, VerticalDrift
 
@@ -34,14 +35,6 @@ def step_variance_m2(translation_m: Array, drift: DriftModel) -> Array:
     return np.asarray(drift.rate_m_per_sqrt_m**2 * length)
 
 
-def plain_chain(translation_m: Array, weight: Array) -> Chain:
-    """One axis, positions only: rows `p_{i+1} - p_i = translation_m[i]` of the given weights (N-1,), gauge p_0 = 0."""
-    count = len(translation_m) + 1
-    builder = _Builder(count, 1, 0)
-    builder.add_rows(-np.ones((count - 1, 1, 1)), np.ones((count - 1, 1, 1)), None, translation_m[:, None], weight[:, None])
-    return builder.chain(pinned=1)
-
-
 def joint_chain(
     translation_m: Array, drift: DriftModel, links: Links = NO_LINKS, step_m: Array | None = None, map_sigma_m: Array | None = None
 ) -> Chain:
@@ -55,7 +48,7 @@ def joint_chain(
     t = translation_m[:, :2]
     u = t if step_m is None else step_m[:, :2]
     count = len(t) + 1
-    builder = _Builder(count, 4, 1)
+    builder = ChainBuilder(count, 4, 1)
     builder.add_prior(0, (0.0, 0.0, drift.scale_sigma**-2, drift.sideways_sigma**-2))
     felt = u.copy()  # the step that rates and scale act on
     felt[links.row] = 0.0
@@ -74,7 +67,7 @@ def upright_chain(translation_m: Array, drift: VerticalDrift, links: Links = NO_
     """z alone, states (pz, r): `p_{i+1} - p_i - r_i l_i = t_i`, l the path length of the step, r AR(1) in the path length."""
     length = np.maximum(np.linalg.norm(translation_m, axis=1), STEP_FLOOR_M)
     count = len(length) + 1
-    builder = _Builder(count, 2, 0)
+    builder = ChainBuilder(count, 2, 0)
     builder.add_prior(0, (0.0, drift.slope_sigma**-2))
     here, there = np.zeros((count - 1, 2, 2)), np.zeros((count - 1, 2, 2))
     memory = _memory(length, drift.correlation_m, links)
@@ -95,7 +88,7 @@ def _memory(length_m: Array, correlation_m: float, links: Links) -> Array:
     return np.asarray(memory)
 
 
-def _add_steps(builder: "_Builder", t: Array, felt: Array, variance: Array) -> None:
+def _add_steps(builder: ChainBuilder, t: Array, felt: Array, variance: Array) -> None:
     """Rows of the steps `t (N-1, 2)`, of which rates and scale act on `felt (N-1, 2)`; `variance (N-1, 2)`."""
     here, there = np.zeros((len(t), 2, 4)), np.zeros((len(t), 2, 4))
     here[:, 0, PX] = here[:, 1, PY] = -1.0
@@ -105,7 +98,7 @@ def _add_steps(builder: "_Builder", t: Array, felt: Array, variance: Array) -> N
     builder.add_rows(here, there, -felt[:, :, None], t, 1.0 / variance)
 
 
-def _add_map(builder: "_Builder", t: Array, sigma_m: Array) -> None:
+def _add_map(builder: ChainBuilder, t: Array, sigma_m: Array) -> None:
     """Rows `p_i = sum of the steps before`; frames closer together than MAP_CORRELATION_M share one error, and one such row."""
     half = 0.5 * np.linalg.norm(t, axis=1)
     share = np.concatenate((half, [0.0])) + np.concatenate(([0.0], half)) + STANDING_M
@@ -113,7 +106,7 @@ def _add_map(builder: "_Builder", t: Array, sigma_m: Array) -> None:
     builder.add_places((PX, PY), np.concatenate((np.zeros((1, 2)), np.cumsum(t, axis=0))), weight)
 
 
-def _add_rates(builder: "_Builder", u: Array, drift: DriftModel, links: Links) -> None:
+def _add_rates(builder: ChainBuilder, u: Array, drift: DriftModel, links: Links) -> None:
     length = np.maximum(np.linalg.norm(u, axis=1), STEP_FLOOR_M)
     memory = _memory(length, drift.correlation_m, links)
     here, there = np.zeros((len(u), 2, 4)), np.zeros((len(u), 2, 4))
@@ -122,68 +115,3 @@ def _add_rates(builder: "_Builder", u: Array, drift: DriftModel, links: Links) -
     sizes = np.array([drift.scale_sigma, drift.sideways_sigma])
     weight = 1.0 / ((1 - memory**2)[:, None] * sizes**2)
     builder.add_rows(here, there, None, np.zeros((len(u), 2)), weight)
-
-
-class _Builder:
-    """Sums weighted rows into the blocks of a chain."""
-
-    def __init__(self, count: int, states: int, width: int) -> None:
-        self.diagonal = np.zeros((count, states, states))
-        self.coupling = np.zeros((max(count - 1, 0), states, states))
-        self.rhs = np.zeros((count, states))
-        self.dense = np.zeros((count, states, width))
-        self.dense_information = np.zeros((width, width))
-        self.dense_rhs = np.zeros(width)
-        self.square_sum = 0.0
-        self.log_weight = 0.0
-
-    def add_prior(self, frame: int, weight: tuple[float, ...]) -> None:
-        """Independent zero-mean priors on one frame's states; weight 0 means none."""
-        self.diagonal[frame] += np.diag(weight)
-        self.log_weight += float(np.log([w for w in weight if w > 0]).sum())
-
-    def add_places(self, states: tuple[int, ...], value: Array, weight: Array) -> None:
-        """Rows `x_i[state] = value` of the given `weight (N,)` for each of the states: `value (N, len(states))`."""
-        for column, state in enumerate(states):
-            self.diagonal[:, state, state] += weight
-            self.rhs[:, state] += weight * value[:, column]
-            self.square_sum += float((weight * value[:, column] ** 2).sum())
-            self.log_weight += float(np.log(weight).sum())
-
-    def add_rows(self, here: Array, there: Array, wide: Array | None, value: Array, weight: Array) -> None:
-        """Rows `here_i x_i + there_i x_{i+1} + wide_i g = value_i`: (N-1, rows, n), (N-1, rows, G), (N-1, rows)."""
-        heavy = weight[:, :, None]
-        turned_here, turned_there = np.swapaxes(here, 1, 2), np.swapaxes(there, 1, 2)
-        self.diagonal[:-1] += turned_here @ (heavy * here)
-        self.diagonal[1:] += turned_there @ (heavy * there)
-        self.coupling += turned_there @ (heavy * here)
-        pulled = (weight * value)[:, :, None]
-        self.rhs[:-1] += (turned_here @ pulled)[:, :, 0]
-        self.rhs[1:] += (turned_there @ pulled)[:, :, 0]
-        if wide is not None:
-            self.dense[:-1] += turned_here @ (heavy * wide)
-            self.dense[1:] += turned_there @ (heavy * wide)
-            self.dense_information += np.einsum("irg,irk->gk", heavy * wide, wide)
-            self.dense_rhs += np.einsum("irg,ir->g", wide, weight * value)
-        self.square_sum += float((weight * value**2).sum())
-        self.log_weight += float(np.log(weight).sum())
-
-    def chain(self, pinned: int) -> Chain:
-        """The sums, with the gauge: the first `pinned` states of frame 0 leave the problem."""
-        gone = slice(0, pinned)
-        self.diagonal[0, gone, :] = self.diagonal[0, :, gone] = 0.0
-        self.diagonal[0, gone, gone] = np.eye(pinned)
-        self.coupling[:1, :, gone] = 0.0
-        self.rhs[0, gone] = 0.0
-        self.dense[0, gone] = 0.0
-        return Chain(
-            self.diagonal,
-            self.coupling,
-            self.rhs,
-            self.dense,
-            self.dense_information,
-            self.dense_rhs,
-            self.square_sum,
-            self.log_weight,
-            pinned,
-        )

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
+from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 
@@ -17,6 +18,7 @@ CLIP = 3.0  # a difference beyond this many sigma is an outlier and counts as ju
 ROUNDS = 6  # reweighted fits; the change is below a per cent after four
 GRAM_FLOOR = 1e-12  # of columns of unit length: keeps the factor real where two of them are the same
 MAD_TO_SIGMA = 1.4826
+TINY_M2 = 1e-10  # (0.01 mm)^2: keeps fitted variances above zero
 
 
 @dataclass(frozen=True)
@@ -48,19 +50,31 @@ def growth(graph: LayoutGraph, usable: Array, axes: tuple[int, ...]) -> Growth |
     variance = np.full(len(found.value_m), spread**2) + (spread**2) * found.path_m / (np.median(found.path_m) + 1e-3)
     fit = np.zeros(4)
     for _ in range(ROUNDS):
-        square = np.minimum(found.value_m**2, CLIP**2 * variance)
-        fit = _non_negative(columns / variance[:, None], square / variance)
-        variance = columns @ fit + 1e-10
+        fit = _non_negative(*_normal_equations(columns, found.value_m**2, variance))
+        variance = columns @ fit + TINY_M2
     root = np.sqrt(fit)
     return Growth(float(root[0]), float(root[1]), float(root[2]), float(root[3]))
 
 
-def _non_negative(columns: Array, values: Array) -> Array:
+@compiled
+def _normal_equations(columns: Array, square: Array, variance: Array) -> tuple[Array, Array]:
+    """Gram matrix (4, 4) and right-hand side (4,) of fitting `columns (D, 4)` to clipped squares, each row over its variance."""
+    gram, right = np.zeros((4, 4)), np.zeros(4)
+    for i in range(len(square)):
+        weight = variance[i] ** -2
+        clipped = weight * min(square[i], CLIP**2 * variance[i])
+        for k in range(4):
+            right[k] += clipped * columns[i, k]
+            for j in range(k + 1):
+                gram[k, j] += weight * columns[i, k] * columns[i, j]
+    return gram + np.tril(gram, -1).T, right
+
+
+def _non_negative(gram: Array, right: Array) -> Array:
     """Non-negative least squares by the normal equations: four unknowns, many rows."""
-    scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    scaled = columns / scale
-    root = np.linalg.cholesky(scaled.T @ scaled + GRAM_FLOOR * np.eye(len(scale)))
-    return np.asarray(nnls(root.T, np.linalg.solve(root, scaled.T @ values))[0] / scale)
+    scale = np.maximum(np.sqrt(np.diag(gram)), 1e-300)
+    root = np.linalg.cholesky(gram / np.outer(scale, scale) + GRAM_FLOOR * np.eye(len(scale)))
+    return np.asarray(nnls(root.T, np.linalg.solve(root, right / scale))[0] / scale)
 
 
 def _differences(graph: LayoutGraph, usable: Array, axes: tuple[int, ...]) -> _Differences:

@@ -1,41 +1,42 @@
 """Re-solve with whitened rows: the accepted equivalences as equalities, and the joint covariance of the planes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from floorplan.chain import solve_planes
 from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution
 from floorplan.model.noise import ScanNoise
 from floorplan.model.ties import DistanceTies
 from floorplan.rows import residual_norm
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, positions
+from floorplan.weighted import KnownSystem, known_systems, solve
 
 
 def weighted_resolve(
-    graph: LayoutGraph, plane_of_track: Array, noise: ScanNoise, keep_covariance: bool = True, ties: DistanceTies | None = None
+    graph: LayoutGraph,
+    plane_of_track: Array,
+    noise: ScanNoise,
+    keep_covariance: bool = True,
+    ties: DistanceTies | None = None,
+    known: Sequence[KnownSystem] | None = None,
 ) -> LayoutSolution:
     """Planes, positions and covariance under `noise`; a track is its plane plus a bias of `noise.bias_sigma_m` (E10).
 
-    `ties` are distances between final planes measured by hand: further rows, each with its sigma.
+    `ties` are distances between final planes measured by hand: further rows, each with its sigma. `known`: the graph's systems, where
+    they were solved under this noise before.
     """
     planes = merged_graph(graph, plane_of_track)
     count = len(planes.axis)
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
     offset, covariance = np.zeros(count), np.zeros((count, count))
-    for axes in (LEVEL_AXES, UPRIGHT_AXES):
-        if not np.isin(graph.axis, axes).any():
-            continue
-        system = build_system(graph, noise, axes)
-        columns, spread = solve_planes(system.reduced)
-        mine, member = np.unique(plane_of_track[system.tracks], return_inverse=True)
-        tracks = len(system.tracks)
-        blurred = spread[:tracks, :tracks] + noise.bias_sigma_m**2 * np.eye(tracks)
-        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(columns[:tracks], blurred, member, _tie_rows(ties, mine))
-        place[:, list(axes)] = positions(system, columns + spread[:, :tracks] @ pulled)
+    for one in known if known is not None else known_systems(graph, noise):
+        mine, member = np.unique(plane_of_track[one.system.tracks], return_inverse=True)
+        blurred = one.covariance_m2 + noise.bias_sigma_m**2 * np.eye(len(member))
+        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(one.solution.offset_m, blurred, member, _tie_rows(ties, mine))
+        place[:, list(one.system.axes)] = solve(one.system, pulled).position_m
     cross = planes.axis[:, None] != planes.axis[None, :]
     covariance[cross] = 0.0
     return LayoutSolution(

@@ -1,11 +1,10 @@
 """`merge.method = "evidence"`: tracks are one plane where that is the likelier story, with every number kept."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from floorplan.chain import solve_planes
-from floorplan.config import MergeConfig
 from floorplan.merge.evidence_bias import PRIOR_BIAS_M, bias_sigma_m, merged_bias_sigma_m
 from floorplan.merge.evidence_greedy import Decision, Question, decide
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
@@ -15,18 +14,10 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult
 from floorplan.model.noise import ScanNoise
 from floorplan.noise import estimate_noise, with_steps
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, AxisSystem, build_system, positions
+from floorplan.weighted import KnownSystem, known_systems
 from floorplan.weighted_resolve import weighted_resolve
 
 SMALLEST_BIAS_M = 0.0015  # for decisions: a millimetre taken for granted makes one false "seen apart" in a thousand pairs
-
-
-@dataclass(frozen=True)
-class _Solved:
-    """One system solved before any merge: its planes (bias not yet in the covariance) and positions (N, len(axes))."""
-
-    system: AxisSystem
-    planes: Planes
 
 
 @dataclass(frozen=True)
@@ -38,10 +29,11 @@ class _Decided:
     decision: Decision
 
 
-def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
+def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution) -> MergeResult:
     """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence"."""
     noise = least_squares.noise or estimate_noise(graph)
-    systems = [solved.planes for solved in _solved_systems(graph, noise)]
+    known = known_systems(graph, noise)
+    systems = _planes_of_systems(graph, known)
     apart = [seen_apart(graph, noise.sigma_m, PRIOR_BIAS_M, planes) for planes in systems]
     noise = replace(noise, bias_sigma_m=bias_sigma_m(systems, apart))
     first = [_decided(graph, noise, planes, None) for planes in systems]
@@ -53,20 +45,20 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, conf
         label[planes.tracks] = planes.tracks[made.decision.plane]
     parts = [system_hypotheses(planes, made.pairs, made.question, made.decision) for planes, made in zip(systems, second, strict=True)]
     plane_of_track = _numbered(label)
-    return _result(graph, noise, plane_of_track, join_hypotheses(parts))
+    return _result(graph, noise, plane_of_track, join_hypotheses(parts), known)
 
 
-def _solved_systems(graph: LayoutGraph, noise: ScanNoise) -> list[_Solved]:
-    systems = [build_system(graph, noise, axes) for axes in (LEVEL_AXES, UPRIGHT_AXES) if np.isin(graph.axis, axes).any()]
-    solved = [solve_planes(system.reduced) for system in systems]
+def _planes_of_systems(graph: LayoutGraph, known: Sequence[KnownSystem]) -> list[Planes]:
+    """The planes of each system before any merge, their boxes at solved positions; bias not yet in the covariance."""
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
     dead = place.copy()
-    for system, (columns, _) in zip(systems, solved, strict=True):
-        place[:, list(system.axes)] = positions(system, columns)
+    for one in known:
+        place[:, list(one.system.axes)] = one.solution.position_m
     extent = graph.extent_m + _mean_shift(graph, place - dead)[:, :, None]
     return [
-        _Solved(system, _planes(graph, system, columns, covariance, extent))
-        for system, (columns, covariance) in zip(systems, solved, strict=True)
+        Planes(tracks, graph.axis[tracks], graph.facing[tracks], one.solution.offset_m, one.covariance_m2, extent[tracks])
+        for one in known
+        for tracks in (one.system.tracks,)
     ]
 
 
@@ -75,11 +67,6 @@ def _mean_shift(graph: LayoutGraph, correction: Array) -> Array:
     seen = np.maximum(np.bincount(graph.track, minlength=len(graph.axis)), 1)
     sums = [np.bincount(graph.track, correction[graph.frame, k], len(graph.axis)) for k in range(3)]
     return np.asarray(np.stack(sums, axis=1) / seen[:, None])
-
-
-def _planes(graph: LayoutGraph, system: AxisSystem, columns: Array, covariance: Array, extent_m: Array) -> Planes:
-    tracks, count = system.tracks, len(system.tracks)
-    return Planes(tracks, graph.axis[tracks], graph.facing[tracks], columns[:count], covariance[:count, :count], extent_m[tracks])
 
 
 def _with_bias(planes: Planes, bias_m: float) -> Planes:
@@ -108,8 +95,10 @@ def _numbered(label: Array) -> Array:
     return np.asarray(rank[inverse])
 
 
-def _result(graph: LayoutGraph, noise: ScanNoise, plane_of_track: Array, hypotheses: Hypotheses) -> MergeResult:
-    solved = weighted_resolve(graph, plane_of_track, noise)
+def _result(
+    graph: LayoutGraph, noise: ScanNoise, plane_of_track: Array, hypotheses: Hypotheses, known: Sequence[KnownSystem]
+) -> MergeResult:
+    solved = weighted_resolve(graph, plane_of_track, noise, known=known)
     offset = solved.plane_offset_m[plane_of_track]
     return MergeResult(
         method="evidence",

@@ -1,14 +1,17 @@
-"""The elimination against dense least squares, and against itself in pieces."""
+"""Frontal elimination against dense least squares."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from floorplan.chain import Chain, Rows, back_substitute, eliminate, log_marginal_likelihood, solve_planes, state_covariance
+from floorplan.chain import Rows
+from floorplan.chain_builder import ChainBuilder
+from floorplan.errors import NoSolutionError
+from floorplan.frontal import eliminate_in_order, joint_covariance, least_squares, log_marginal_likelihood
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel
-from floorplan.odometry_chain import NO_LINKS, Links, joint_chain, plain_chain, step_variance_m2
+from floorplan.odometry_chain import NO_LINKS, Links, joint_chain, step_variance_m2
 
 DRIFT = DriftModel(rate_m_per_sqrt_m=0.02, scale_sigma=0.03, sideways_sigma=0.02)
 FRAMES, PLANES = 60, 9
@@ -75,16 +78,18 @@ def test_the_joint_chain_gives_the_dense_least_squares_solution_and_covariance(s
     rng = np.random.default_rng(seed)
     t = rng.normal(0, 0.2, (FRAMES - 1, 2))
     rows = random_rows(rng, 2)
-    reduced = eliminate(joint_chain(t, DRIFT, links), rows, PLANES)
-    columns, covariance = solve_planes(reduced)
+    eliminated = eliminate_in_order(joint_chain(t, DRIFT, links), rows, PLANES)
+    solved = least_squares(eliminated)
     dense = dense_joint(t, DRIFT, rows, links)
     want = np.linalg.lstsq(dense.A, dense.b, rcond=None)[0]
-    got = np.concatenate([back_substitute(reduced, columns).ravel()[2:], columns])
-    np.testing.assert_allclose(got, want, atol=1e-9)
+    np.testing.assert_allclose(np.concatenate([solved.state.ravel()[2:], solved.column]), want[:-1], atol=1e-9)
     inverse = np.linalg.inv(dense.A.T @ dense.A)
-    np.testing.assert_allclose(covariance, inverse[-PLANES - 1 :, -PLANES - 1 :], rtol=1e-6, atol=1e-12)
-    at = 4 * 30 - 2
-    np.testing.assert_allclose(state_covariance(reduced, covariance, 30), inverse[at : at + 4, at : at + 4], rtol=1e-6, atol=1e-12)
+    planes = slice(-PLANES - 1, -1)
+    np.testing.assert_allclose(joint_covariance(eliminated), inverse[planes, planes], rtol=1e-6, atol=1e-12)
+    pull = rng.normal(0, 10, PLANES)
+    moved = least_squares(eliminated, pull)
+    np.testing.assert_allclose(moved.column, want[planes] + inverse[planes, planes] @ pull, atol=1e-9)
+    np.testing.assert_allclose(moved.state.ravel()[2:], (want + inverse[:, planes] @ pull)[: 4 * FRAMES - 2], atol=1e-9)
 
 
 def test_the_marginal_likelihood_is_that_of_the_dense_system() -> None:
@@ -99,11 +104,11 @@ def test_the_marginal_likelihood_is_that_of_the_dense_system() -> None:
         cost = float(((dense.A @ best - dense.b) ** 2).sum())
         weights = -2 * (FRAMES - 1) * np.log(rate**2)  # the part of the rows' weights that depends on the rate
         dense_value = 0.5 * (weights - np.linalg.slogdet(dense.A.T @ dense.A)[1] - cost)
-        values.append(log_marginal_likelihood(eliminate(joint_chain(t, drift), rows, PLANES)) - dense_value)
+        values.append(log_marginal_likelihood(eliminate_in_order(joint_chain(t, drift), rows, PLANES)) - dense_value)
     assert values[0] == pytest.approx(values[1], abs=1e-6)
 
 
-def test_a_plain_chain_forgets_nothing_over_a_long_walk() -> None:
+def test_a_long_walk_past_many_planes_opens_few_seats_and_forgets_nothing() -> None:
     rng = np.random.default_rng(5)
     frames, planes = 400, 40
     start = np.linspace(0, frames - 21, planes).astype(int)
@@ -111,9 +116,13 @@ def test_a_plain_chain_forgets_nothing_over_a_long_walk() -> None:
     column = np.repeat(np.arange(planes), 20)
     rows = Rows(frame, np.zeros_like(frame), column, rng.normal(0, 1, len(frame)), np.ones(len(frame)))
     t = rng.normal(0, 0.1, frames - 1)
-    chain: Chain = plain_chain(t, np.ones(frames - 1))
-    reduced = eliminate(chain, rows, planes)
-    columns, _ = solve_planes(reduced)
+    builder = ChainBuilder(frames, 1, 0)
+    builder.add_rows(-np.ones((frames - 1, 1, 1)), np.ones((frames - 1, 1, 1)), None, t[:, None], np.ones((frames - 1, 1)))
+    eliminated = eliminate_in_order(builder.chain(pinned=1), rows, planes + 1)
+    solved = least_squares(eliminated)
+    assert eliminated.factor.felt.shape[1] < 5  # no more seats than planes open at one time
+    assert solved.column[planes] == 0.0  # never seen
+    assert joint_covariance(eliminated)[planes, planes] == np.inf
     A = np.zeros((frames - 1 + len(frame), frames + planes))
     A[np.arange(frames - 1), np.arange(frames - 1)] = -1
     A[np.arange(frames - 1), np.arange(1, frames)] = 1
@@ -121,7 +130,13 @@ def test_a_plain_chain_forgets_nothing_over_a_long_walk() -> None:
     A[at, frame], A[at, frames + column] = -1, 1
     b = np.concatenate([t, rows.distance_m])
     want = np.linalg.lstsq(A[:, 1:], b, rcond=None)[0]
-    got = np.concatenate([back_substitute(reduced, columns)[1:, 0], columns])
-    np.testing.assert_allclose(got, want, atol=1e-9)
-    cost = float(columns @ reduced.information @ columns - 2 * columns @ reduced.rhs + reduced.constant)
-    assert cost == pytest.approx(float(((A[:, 1:] @ want - b) ** 2).sum()), rel=1e-9)
+    np.testing.assert_allclose(np.concatenate([solved.state[1:, 0], solved.column[:planes]]), want, atol=1e-9)
+    inverse = np.linalg.inv(A[:, 1:].T @ A[:, 1:])
+    np.testing.assert_allclose(joint_covariance(eliminated)[:planes, :planes], inverse[-planes:, -planes:], rtol=1e-7)
+
+
+def test_odometry_without_numbers_is_refused() -> None:
+    t = np.full((FRAMES - 1, 2), 0.1)
+    t[7] = np.nan
+    with pytest.raises(NoSolutionError, match="singular"):
+        eliminate_in_order(joint_chain(t, DRIFT), random_rows(np.random.default_rng(6), 2), PLANES)

@@ -1,0 +1,153 @@
+"""Exact least squares of a block chain (the frames' states) with planes, in one walk along it.
+
+The normal equations of a scan are `[[T, B], [B^T, C]] [x, m] = [h, c]`: `T` block tridiagonal over the frames, `C` diagonal over the
+planes, `B` sparse. Frames are eliminated in order; a plane enters with its first row and is eliminated after its last (frontal
+elimination: B. M. Irons, A frontal solution program for finite element analysis, 1970). So work grows with the walk and with what is
+open at one time, however many planes there are; the joint covariance of all planes is one more walk, backwards.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.chain import Chain, Rows
+from floorplan.errors import NoSolutionError
+from floorplan.frontal_covariance import planes_covariance
+from floorplan.frontal_kernels import NOBODY, Factor, FrameRows, Front, eliminate, substitute_back, substitute_forward
+from floorplan.model.checks import Array
+
+
+@dataclass(frozen=True)
+class Eliminated:
+    """A chain with its rows and M planes, factored: all but the G dense columns, whose own matrix is `information (G, G)`.
+
+    Right-hand sides: `frame_rhs (N, n)`, `column_rhs (M + G,)`. `log_det` of the factor; `square_sum` of the weighted right-hand
+    sides of the rows and `log_weight`, the sum of their log weights.
+    """
+
+    factor: Factor
+    information: Array
+    frame_rhs: Array
+    column_rhs: Array
+    log_det: float
+    square_sum: float
+    log_weight: float
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Least squares values: `column (M,)` of the planes, 0 where a plane has no row; `state (N, n)` of the frames."""
+
+    column: Array
+    state: Array
+
+
+def eliminate_in_order(chain: Chain, rows: Rows, planes: int) -> Eliminated:
+    """Factor the chain and its rows. Raises NoSolutionError where they are singular."""
+    rows = _usable(rows)
+    frames, states, width = chain.dense.shape
+    seats = width + _most_open(rows, frames, planes)
+    front, factor = _front(seats, states, width, planes), _factor(frames, states, seats, planes)
+    front.inner[:width, :width] = chain.dense_information
+    log_det = eliminate(front, factor, _rows_of_frames(rows, frames, planes), chain.diagonal, chain.coupling, chain.dense, chain.pinned)
+    if not np.isfinite(log_det):
+        raise NoSolutionError("The trajectory's normal equations are singular: check the odometry rows for zeros or NaN.")
+    information = np.tril(front.inner[:width, :width])
+    pulled = rows.weight * rows.distance_m
+    free = (rows.frame > 0) | (rows.component >= chain.pinned)
+    frame_rhs = chain.rhs.copy()
+    np.add.at(frame_rhs, (rows.frame[free], rows.component[free]), -pulled[free])
+    return Eliminated(
+        factor,
+        information + np.tril(information, -1).T,
+        frame_rhs,
+        np.concatenate([np.bincount(rows.column, pulled, planes), chain.dense_rhs]),
+        log_det,
+        chain.square_sum + float(pulled @ rows.distance_m),
+        chain.log_weight + float(np.log(rows.weight).sum()),
+    )
+
+
+def least_squares(eliminated: Eliminated, pull: Array | None = None) -> Solved:
+    """The solution; `pull (M,)` is a further right-hand side of the planes."""
+    width, column = len(eliminated.information), eliminated.column_rhs.copy()
+    if pull is not None:
+        column[: len(pull)] += pull
+    planes, frames, seats = column[: len(column) - width], eliminated.frame_rhs.copy(), _seats(eliminated, column)
+    substitute_forward(eliminated.factor, frames, planes, seats)
+    seats[:width] = np.linalg.solve(eliminated.information, seats[:width])
+    substitute_back(eliminated.factor, frames, planes, seats)
+    return Solved(planes, frames)
+
+
+def log_marginal_likelihood(eliminated: Eliminated) -> float:
+    """Log density of all rows with states and planes integrated out (flat prior on the planes), less a constant (E5)."""
+    width, column = len(eliminated.information), eliminated.column_rhs.copy()
+    seats = _seats(eliminated, column)
+    square = substitute_forward(eliminated.factor, eliminated.frame_rhs.copy(), column[: len(column) - width], seats)
+    square += float(seats[:width] @ np.linalg.solve(eliminated.information, seats[:width]))
+    log_det = eliminated.log_det + float(np.linalg.slogdet(eliminated.information)[1])
+    return 0.5 * (eliminated.log_weight - log_det - (eliminated.square_sum - square))
+
+
+def joint_covariance(eliminated: Eliminated) -> Array:
+    """Covariance (M, M) of the planes; infinite variance for one without rows."""
+    factor, width = eliminated.factor, len(eliminated.information)
+    known = factor.order[: factor.done[-1]][::-1]
+    found = planes_covariance(factor, np.linalg.inv(eliminated.information))[width:, width:]
+    covariance = np.zeros((len(factor.pivot),) * 2)
+    covariance[np.ix_(known, known)] = found
+    unknown = np.setdiff1d(np.arange(len(covariance)), known)
+    covariance[unknown, unknown] = np.inf
+    return covariance
+
+
+def _usable(rows: Rows) -> Rows:
+    """The rows of positive weight, sorted by frame."""
+    order = np.argsort(rows.frame, kind="stable")
+    order = order[rows.weight[order] > 0]
+    fields = (rows.frame, rows.component, rows.column, rows.distance_m, rows.weight)
+    return Rows(*(np.ascontiguousarray(values[order]) for values in fields))
+
+
+def _seats(eliminated: Eliminated, column: Array) -> Array:
+    """Right-hand sides by seat, before the walk: those of the dense columns."""
+    width, seats = len(eliminated.information), np.zeros(eliminated.factor.felt.shape[1])
+    seats[:width] = column[len(column) - width :]
+    return seats
+
+
+def _rows_of_frames(rows: Rows, frames: int, planes: int) -> FrameRows:
+    last = np.full(planes, NOBODY)
+    last[rows.column] = rows.frame  # sorted by frame: the last one stays
+    return FrameRows(np.searchsorted(rows.frame, np.arange(frames + 1)), rows.component, rows.column, rows.weight, last)
+
+
+def _most_open(rows: Rows, frames: int, planes: int) -> int:
+    """The largest number of planes between their first row and their last at one frame."""
+    first, last = np.full(planes, frames), np.full(planes, -1)
+    first[rows.column[::-1]] = rows.frame[::-1]
+    last[rows.column] = rows.frame
+    seen = last >= 0
+    change = np.bincount(first[seen], minlength=frames + 2) - np.bincount(last[seen] + 1, minlength=frames + 2)
+    return int(np.cumsum(change).max(initial=0))
+
+
+def _front(seats: int, states: int, width: int, planes: int) -> Front:
+    column, seat = np.full(seats, NOBODY), np.full(planes + width, NOBODY)
+    column[:width], seat[planes:] = planes + np.arange(width), np.arange(width)
+    return Front(np.zeros((seats, seats)), np.zeros((seats, states)), np.zeros((states, states)), column, seat)
+
+
+def _factor(frames: int, states: int, seats: int, planes: int) -> Factor:
+    return Factor(
+        lower=np.zeros((frames, states, states)),
+        link=np.zeros((frames, states, states)),
+        felt=np.zeros((frames, seats, states)),
+        pivot=np.ones(planes),
+        row=np.zeros((planes, seats)),
+        ahead=np.zeros((planes, states)),
+        seat=np.full(planes, NOBODY),
+        order=np.full(planes, NOBODY),
+        done=np.zeros(frames + 1, dtype=np.int64),
+    )
