@@ -26,6 +26,8 @@ from floorplan.stage_functions import make_plan, merge, resolve
 from floorplan.trajectory import keyframe_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
 
+LASER_NEEDS_WEIGHTS = "--laser needs the weighted rows of merge.method = evidence; the published merge has none"
+
 
 @dataclass(frozen=True)
 class Surveyed:
@@ -63,7 +65,7 @@ class Corrections:
         if not self.config.corrections.laser_file:
             return plain
         if known.merged.noise is None:
-            raise UsageError("--laser needs the weighted rows of merge.method = evidence; the published merge has none")
+            raise UsageError(LASER_NEEDS_WEIGHTS)
         if plain.plane_covariance_m2 is None:
             plain = resolve(known.layout.graph, known.merged, replace(self.config.resolve, covariance=True))
         return self._calibrated(known, plain, read_laser(Path(self.config.corrections.laser_file)))
@@ -132,8 +134,13 @@ def scaled_segments(segmented: SegmentedScan, scale: float) -> SegmentedScan:
 
 
 def with_laser(config: Config, laser: Path | None) -> Config:
-    """The configuration that uses the measured distances of a file. Raises InputError when it cannot be read."""
+    """The configuration that uses the measured distances of a file.
+
+    Raises InputError when it cannot be read, UsageError when the merge has no weighted rows to add it to.
+    """
     path, digest = _checked_file(laser, config.corrections.laser_file, read_laser)
+    if path and config.merge.method != "evidence":
+        raise UsageError(LASER_NEEDS_WEIGHTS)
     return replace(config, corrections=replace(config.corrections, laser_file=path, laser_sha256=digest))
 
 

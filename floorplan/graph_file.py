@@ -9,6 +9,7 @@ import numpy as np
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
+from floorplan.model.scan import RangeAccuracy
 
 _SHAPES: dict[str, tuple[int | str, ...]] = {
     "stamp": ("N",),
@@ -20,7 +21,14 @@ _SHAPES: dict[str, tuple[int | str, ...]] = {
     "facing": ("M",),
     "extent": ("M", 3, 2),
 }
-_MAY_BE_THERE: dict[str, tuple[int | str, ...]] = {"sigma": ("K",), "map_sigma": ("N",), "link": ("B",), "link_sigma": ("B", 3)}
+_MAY_BE_THERE: dict[str, tuple[int | str, ...]] = {
+    "sigma": ("K",),
+    "map_sigma": ("N",),
+    "link": ("B",),
+    "link_sigma": ("B", 3),
+    "heading_sigma": (),  # rad, of the yaw that turned the odometry rows
+    "range_accuracy": (2,),  # of the sensor: sigma of its scale (a part), sigma of its bias (m)
+}
 _WHOLE_NUMBERS = ("frame", "track", "axis", "facing", "link")
 DEFAULT_LINK_SIGMA_M = 0.5  # of a rough pose that came without one: a step to the side
 _MAY_BE_NAN = ("extent",)
@@ -44,6 +52,10 @@ def save_graph(graph: LayoutGraph, path: Path) -> None:
         arrays["map_sigma"] = graph.map_sigma_m
     if len(graph.link):
         arrays |= {"link": graph.link, "link_sigma": graph.link_sigma_m}
+    if graph.heading_sigma_rad:
+        arrays["heading_sigma"] = np.float64(graph.heading_sigma_rad)
+    if graph.range_accuracy is not None:
+        arrays["range_accuracy"] = np.array([graph.range_accuracy.scale_sigma, graph.range_accuracy.bias_sigma_m])
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)
 
@@ -74,6 +86,8 @@ def load_graph(path: Path) -> LayoutGraph:
         map_sigma_m=arrays.get("map_sigma"),
         link=links,
         link_sigma_m=arrays["link_sigma"],
+        heading_sigma_rad=float(arrays.get("heading_sigma", 0.0)),
+        range_accuracy=RangeAccuracy(*arrays["range_accuracy"].tolist()) if "range_accuracy" in arrays else None,
     )
     _check_values(path, graph)
     return graph
@@ -114,6 +128,8 @@ def _check_values(path: Path, graph: LayoutGraph) -> None:
     _check_rows(path, "stamp", np.concatenate(([False], np.diff(graph.stamp_s) < 0)), "earlier than the one before")
     if graph.sigma_m is not None:
         _check_rows(path, "sigma", graph.sigma_m <= 0, "not positive")
+    if graph.heading_sigma_rad < 0:
+        raise InputError(f"{path}: array 'heading_sigma' is negative")
     _check_rows(path, "link", (graph.link < 0) | (graph.link >= frames - 1), f"out of range 0..{frames - 2}")
     _check_rows(path, "link_sigma", np.asarray((graph.link_sigma_m <= 0).any(axis=1)), "not positive")
     seen = np.bincount(graph.track, minlength=tracks)

@@ -71,6 +71,7 @@ def test_wrong_usage_is_2() -> None:
         (["build", "{dir}", "--dxf", "{dir}/no/plan.dxf"], UsageError, "no folder"),
         (["build", "{dir}", "--format", "guess"], UsageError, "guess"),
         (["build", "{dir}", "--config", "{dir}/no.toml"], ConfigError, "no such configuration"),
+        (["build", "{dir}", "--laser", "{dir}/laser.csv", "--set", "merge.method=paper"], UsageError, "merge.method = evidence"),
         (["build", "{dir}"], InputError, "not recognised"),
         (["info", "{dir}"], InputError, "not recognised"),
         (["status", "{dir}"], WorkFolderError, "not a work folder"),
@@ -81,6 +82,7 @@ def test_wrong_usage_is_2() -> None:
     ],
 )
 def test_each_mistake_has_its_kind_and_says_what_to_do(tmp_path: Path, arguments: list[str], kind: type, words: str) -> None:
+    (tmp_path / "laser.csv").write_text("id,measured_m\nD1,5.0\n")
     error = error_of(*(argument.replace("{dir}", str(tmp_path)) for argument in arguments))
     assert type(error) is kind
     assert words in str(error)

@@ -11,7 +11,7 @@ from floorplan.geometry import rotation_about_z
 from floorplan.graph_file import load_graph, save_graph
 from floorplan.layout_graph import layout_graph, with_signs_from_facing
 from floorplan.model.graph import LayoutGraph
-from floorplan.model.scan import GravitySource, IngestedScan, NoiseModel, Recording, Sensor, SensorKind
+from floorplan.model.scan import GravitySource, IngestedScan, NoiseModel, RangeAccuracy, Recording, Sensor, SensorKind
 from floorplan.model.segment import EvidencePoints, FreePatches, ManhattanFrames, SegmentedScan, Segments, Tracks
 from floorplan.odometry_steps import keyframe_steps, odometry_rows
 from tests.graphs import graph_along_x, loop_graph
@@ -91,13 +91,14 @@ def test_a_track_that_disagrees_altogether_keeps_its_rows_with_the_sign_of_its_f
     assert signed.distance_m.tolist() == [2.0, 2.1]
 
 
-def test_a_graph_survives_its_file(tmp_path: Path) -> None:
-    graph = loop_graph(0)[0]
+@pytest.mark.parametrize("accuracy", [None, RangeAccuracy(0.004, 0.002)])
+def test_a_graph_survives_its_file(tmp_path: Path, accuracy: RangeAccuracy | None) -> None:
+    graph = replace(loop_graph(0)[0], range_accuracy=accuracy, heading_sigma_rad=0.01 if accuracy else 0.0)
     save_graph(graph, tmp_path / "graph.npz")
     again = load_graph(tmp_path / "graph.npz")
     for name in LayoutGraph.__dataclass_fields__:
-        if getattr(graph, name) is None:
-            assert getattr(again, name) is None
+        if getattr(graph, name) is None or name == "range_accuracy":
+            assert getattr(again, name) == getattr(graph, name)
         else:
             np.testing.assert_array_equal(getattr(again, name), getattr(graph, name))
 
