@@ -73,7 +73,7 @@ def _normal_equations(columns: Array, square: Array, variance: Array) -> tuple[A
 def _non_negative(gram: Array, right: Array) -> Array:
     """Non-negative least squares by the normal equations: four unknowns, many rows."""
     scale = np.maximum(np.sqrt(np.diag(gram)), 1e-300)
-    root = np.linalg.cholesky(gram / np.outer(scale, scale) + GRAM_FLOOR * np.eye(len(scale)))
+    root = np.linalg.cholesky(gram / scale / scale[:, None] + GRAM_FLOOR * np.eye(len(scale)))
     return np.asarray(nnls(root.T, np.linalg.solve(root, right / scale))[0] / scale)
 
 

@@ -86,7 +86,7 @@ def test_each_mistake_has_its_kind_and_says_what_to_do(tmp_path: Path, arguments
     error = error_of(*(argument.replace("{dir}", str(tmp_path)) for argument in arguments))
     assert type(error) is kind
     assert words in str(error)
-    assert not list(tmp_path.iterdir())
+    assert [file.name for file in tmp_path.iterdir()] == ["laser.csv"]
 
 
 def test_config_prints_what_config_reads() -> None:
