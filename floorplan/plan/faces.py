@@ -32,6 +32,7 @@ class Reason(StrEnum):
     SHORT = "too short"
     FEW_FRAMES = "seen in too few frames"
     DOUBLED = "doubled by a better supported face"
+    REFLECTION = "mirrored by glass"
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,7 @@ def bridged_spans(verdict: ColumnVerdict, step_m: float, max_gap_m: float) -> li
     return joined
 
 
-def _dense_spans(wall: Array) -> list[tuple[int, int]]:
+def dense_spans(wall: Array) -> list[tuple[int, int]]:
     """Spans of seen columns; gaps of a few columns are the spacing of the thinned points, not something unseen."""
     joined: list[tuple[int, int]] = []
     for a, b in spans(wall):
@@ -225,7 +226,7 @@ def _run(evidence: PlaneEvidence, verdict: ColumnVerdict, span: _Span, heights: 
     first, last, half = span.first, span.last, (span.last - span.first) / 2
     start = refined_edge_m(evidence, first, +1, half, span.before)
     end = refined_edge_m(evidence, last, -1, half, span.after)
-    parts = [(evidence.along_m(first + a), evidence.along_m(first + b)) for a, b in _dense_spans(verdict.wall[first:last])]
+    parts = [(evidence.along_m(first + a), evidence.along_m(first + b)) for a, b in dense_spans(verdict.wall[first:last])]
     seen = tuple((start if k == 0 else a, end if k == len(parts) - 1 else b) for k, (a, b) in enumerate(parts))
     open_ends = (rays_beyond(evidence, first, +1), rays_beyond(evidence, last, -1))
     hit_rows = np.flatnonzero(evidence.hits[first:last].sum(axis=0) > 0)

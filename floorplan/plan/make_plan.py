@@ -10,6 +10,7 @@ from floorplan.model.graph import LayoutSolution
 from floorplan.model.plan import Plan, PlanPlane, Rejection
 from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import FreePatches, SegmentedScan, Tracks
+from floorplan.plan.behind_glass import walls_behind_glass
 from floorplan.plan.bodies import Body, bodies_of, junction_blocks, paired_faces, solid
 from floorplan.plan.chains import outside_chains
 from floorplan.plan.columns import as_columns, column_bodies, column_faces
@@ -21,7 +22,7 @@ from floorplan.plan.free_lines import free_lines
 from floorplan.plan.free_space import free_space
 from floorplan.plan.gaps import Gap, find_gaps
 from floorplan.plan.glazing import as_glazing, glazed_lines
-from floorplan.plan.notes import plan_notes
+from floorplan.plan.notes import plan_notes, through_glass_notes
 from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
 from floorplan.plan.panes import paned_gaps
@@ -30,7 +31,7 @@ from floorplan.plan.posts import standing_posts
 from floorplan.plan.room_facts import described, height_dimensions, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.storeys import patches_of, stacked, storeys
-from floorplan.plan.surface_evidence import surface_evidence
+from floorplan.plan.surface_evidence import PlaneEvidence, surface_evidence
 from floorplan.plan.walls import draw_walls, without_columns
 
 DRAWN_POINTS = 20_000  # evidence points kept for the drawing: enough to see, few enough for any CAD program
@@ -54,14 +55,16 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     surfaces = wall_surfaces(world, config)
     faces, bodies, gaps = surfaces.faces, surfaces.bodies, surfaces.gaps
     matter = solid(bodies, junction_blocks(bodies))
-    drawing = draw_walls(faces, bodies, matter, covariance, ids)
-    columns = column_bodies(bodies, faces)
-    walls = without_columns(drawing, column_faces(columns, faces))
     mullioned = glazed_lines(world, faces, config)
     glazed = mullioned + paned_gaps(world, faces, gaps, mullioned, config)
+    through = walls_behind_glass(world, surfaces.evidence, faces, glazed, config)
+    drawing = draw_walls(faces + through.faces, bodies, matter, covariance, ids)
+    glimpsed = frozenset(ids[face.run.plane] for face in through.faces)
+    columns = column_bodies(bodies, faces)
+    walls = without_columns(drawing, column_faces(columns, faces))
     path = world.trajectory.position_m[:, :2]
     openings = with_walls(find_openings(gaps, faces, path, surfaces.thick, config), walls)
-    bare_rooms = find_rooms(RoomScene(faces, gaps, bodies, glazed, free_space(world), path), config)
+    bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, free_space(world), path), config)
     levels = tuple(room_height(room, world) for room in bare_rooms)
     rooms = described(bare_rooms, levels, faces, planes, covariance)
     lines = free_lines(patches, world, faces, config)
@@ -85,8 +88,8 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=solution.plane_covariance_m2,
         evidence_xy_m=_drawn_points(world, config),
-        rejections=surfaces.rejections,
-        notes=plan_notes(rooms, lines, world.heights, world.floor_seen),
+        rejections=surfaces.rejections + through.rejections,
+        notes=plan_notes(rooms, lines, world.heights, world.floor_seen) + through_glass_notes(walls, drawing.faces, glimpsed),
         floor_seen=world.floor_seen,
     )
 
@@ -100,6 +103,7 @@ class WallSurfaces:
     gaps: tuple[Gap, ...]
     thick: frozenset[int]
     rejections: tuple[Rejection, ...]
+    evidence: tuple[PlaneEvidence, ...]
 
 
 def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
@@ -113,7 +117,7 @@ def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
     faces = agreed_jambs(faces, pairs)
     gaps = find_gaps(faces, evidence, config, world.heights)
     thick = frozenset(index for pair in pairs for index in pair)
-    return WallSurfaces(faces, bodies_of(faces, pairs), gaps, thick, found.rejections + doubled)
+    return WallSurfaces(faces, bodies_of(faces, pairs), gaps, thick, found.rejections + doubled, evidence)
 
 
 def _framed(world: PlanWorld, solution: LayoutSolution) -> PlanWorld:

@@ -1,6 +1,6 @@
 """What a reader of the drawing must be told of a plan, each thing once."""
 
-from floorplan.model.plan import FreeLine, Room
+from floorplan.model.plan import Face, FreeLine, Room, Wall
 
 ONE_BY_ONE = 3  # more lines off the axes than these share one note
 NORMAL_95 = 1.96  # two-sided 95 % of a normal distribution, in standard deviations
@@ -29,3 +29,10 @@ def _off_axes(lines: tuple[FreeLine, ...]) -> str:
         least, most = min(line.off_axis_deg for line in lines), max(line.off_axis_deg for line in lines)
         angles = f"{len(lines)} lines ({lines[0].id} to {lines[-1].id}) by {least:.0f} to {most:.0f} deg"
     return f"Off the axes, outside the Manhattan model: {angles}; {fitted}."
+
+
+def through_glass_notes(walls: tuple[Wall, ...], faces: tuple[Face, ...], planes: frozenset[str]) -> tuple[str, ...]:
+    """Which walls lie on planes (ids) that were seen through glass alone; nothing where none does."""
+    behind = {face.id for face in faces if face.plane in planes}
+    ids = [wall.id for wall in walls if wall.faces and set(wall.faces) <= behind]
+    return (f"Seen through glass only, drawn as inferred: {', '.join(ids)}.",) if ids else ()

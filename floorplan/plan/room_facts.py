@@ -94,9 +94,9 @@ def with_ceiling(room: Room, height: RoomHeight | None, planes: tuple[PlanPlane,
 def height_dimensions(
     rooms: tuple[Room, ...], heights: tuple[RoomHeight | None, ...], planes: tuple[PlanPlane, ...], covariance_m2: Array
 ) -> tuple[Dimension, ...]:
-    """Floor to ceiling, once per pair of level planes, in the first room that shows it."""
+    """Floor to ceiling, once per pair of level planes, in the first room that shows it, one that was visited if there is any."""
     found: dict[RoomHeight, Dimension] = {}
-    for room, height in zip(rooms, heights, strict=True):
+    for room, height in sorted(zip(rooms, heights, strict=True), key=lambda pair: not pair[0].visited):
         if height is not None and height not in found:
             low, high = planes[height.floor], planes[height.ceiling]
             sigma = _sigma_m(height, covariance_m2)

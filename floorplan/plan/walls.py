@@ -81,6 +81,8 @@ def certain_parts(run: FaceRun) -> list[tuple[float, float, Certainty]]:
             a = at
         parts.append((a, b, Certainty.SEEN))
         at = b
+    if run.end_m - at > MIN_LINE_M:
+        parts.append((at, run.end_m, Certainty.INFERRED))
     return parts
 
 
