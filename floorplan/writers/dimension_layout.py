@@ -3,8 +3,8 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
 
+import numpy as np
 from shapely import LineString, Polygon, prepare
 
 from floorplan.model.plan import Dimension, DimensionRole, Plan, Point
@@ -85,12 +85,23 @@ class _Placer:
                 return None
             low, high = span(dimension)
             foot = point_at(dimension.axis, (low + high) / 2, across)
-            for barrier, centre in product((WALL_WEIGHT, TEXT_WEIGHT), _around(foot, self.scale.model_m(STEP_MM))):
+            centre = self.free_centre(foot, width)
+            if centre is not None:
                 box = text_box(centre, width, self.scale, 0.0)
-                leader = Rectangle.around((foot, centre))
-                if self.words_cost(box) == 0 and self.occupied.cost(leader, at_least=barrier) == 0:
-                    spot = replace(lines[across], text_centre=centre, text_rotation_deg=0.0, text_box=box)
-                    return spot, (foot, _edge_towards(box, foot))
+                spot = replace(lines[across], text_centre=centre, text_rotation_deg=0.0, text_box=box)
+                return spot, (foot, _edge_towards(box, foot))
+        return None
+
+    def free_centre(self, foot: Point, width: float) -> Point | None:
+        """The nearest centre for words that lie on nothing and whose leader crosses no words and, if it can be helped, no wall."""
+        centres = list(_around(foot, self.scale.model_m(STEP_MM)))
+        boxes = [text_box(centre, width, self.scale, 0.0) for centre in centres]
+        free = [self.field.holds(box) for box in boxes] & self.occupied.free(boxes, 0.0)
+        leaders = [Rectangle.around((foot, centre)) for centre in centres]
+        for barrier in (WALL_WEIGHT, TEXT_WEIGHT):
+            open_to = np.flatnonzero(free & self.occupied.free(leaders, barrier))
+            if len(open_to):
+                return centres[int(open_to[0])]
         return None
 
     def settled(self, dimension: Dimension, text: str, spot: Spot, leader: tuple[Point, Point] | None) -> PlacedDimension:

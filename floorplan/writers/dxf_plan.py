@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.dxfgfx import DXFGraphic
 
-EVIDENCE_POINTS = 4000  # POINT entities at most: enough to see what a wall rests on, cheap to open
+EVIDENCE_POINTS = 2000  # POINT entities at most: enough to see what a wall rests on, cheap to open
 GREY = (212, 212, 212)  # wall fill
 
 

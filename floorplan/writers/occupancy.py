@@ -1,6 +1,6 @@
 """What already stands on the drawing, as weighted boxes, and what a new text would cost where it is tried."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,6 +70,15 @@ class Occupancy:
         """Summed weight of the boxes that `box` overlaps, of those that weigh `at_least` so much."""
         boxes, weights = self._table()
         return float(weights[_overlap(boxes, box) & (weights >= at_least)].sum())
+
+    def free(self, boxes: Sequence[Rectangle], at_least: float) -> Array:
+        """Which (M,) of `boxes` overlap nothing that weighs `at_least` so much."""
+        taken, weights = self._table()
+        taken = taken[weights >= at_least][None]
+        asked = np.array([(box.x0, box.y0, box.x1, box.y1) for box in boxes])[:, None]
+        apart = (taken[..., 0] >= asked[..., 2]) | (taken[..., 2] <= asked[..., 0])
+        apart |= (taken[..., 1] >= asked[..., 3]) | (taken[..., 3] <= asked[..., 1])
+        return np.asarray(apart.all(axis=1))
 
     def covered_share(self, box: Rectangle, axis: int, weight: float) -> float:
         """Share of the length of `box` along `axis` that boxes of that weight cover, but for its ends, which may touch walls."""
