@@ -15,6 +15,7 @@ from floorplan.cli import (
     report_command,
     simulate_command,
     solve_command,
+    template_command,
     view_command,
     work_commands,
 )
@@ -52,6 +53,7 @@ app.command("export")(work_commands.export)
 app.command("report")(report_command.report)
 app.command("view")(view_command.view)
 app.command("formats")(look_commands.formats)
+app.command("template")(template_command.template)
 app.command("config")(look_commands.config)
 app.command("doctor")(look_commands.doctor)
 app.command("solve")(solve_command.solve)

@@ -48,6 +48,7 @@ def build(
     units: o.Units = None,
     scale: o.Scale = None,
     sheet: o.Sheet = None,
+    template: o.Template = None,
     jobs: o.Jobs = 0,
     quiet: o.Quiet = False,
     verbose: o.Verbose = False,
@@ -58,7 +59,7 @@ def build(
     """
     reporter = ConsoleReporter(quiet, verbose)
     short = [*o.topic_settings(topics), *o.trim_settings(trim)]
-    effective = o.effective_config(config, [*(settings or []), *short], units=units, scale=scale, sheet=sheet)
+    effective = o.effective_config(config, [*(settings or []), *short], units=units, scale=scale, sheet=sheet, template=template)
     redo_from, until = _stages(from_stage, until_stage)
     for scan in scans:
         o.check_scan(scan)
@@ -66,6 +67,7 @@ def build(
     from floorplan.corrections import with_edits, with_laser, with_site, with_start
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, ifc=ifc, report=report)
+    o.check_template(effective)
     effective = with_site(with_start(with_edits(with_laser(effective, laser), edits), start), control, north)
     job = Job(scans[0], work or o.default_work(*scans), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
     results = _run(job, scans, reporter)

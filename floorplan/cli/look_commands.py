@@ -16,10 +16,10 @@ def formats(as_json: o.AsJson = False) -> None:
 
     if as_json:
         read = [{"name": r.name, "description": r.description, "looks_for": r.looks_for} for r in READERS]
-        echo_json({"read": read, "write": [{"name": w.name, "description": w.description} for w in WRITERS.values()]})
+        echo_json({"read": read, "write": [{"name": w.name, "option": w.option, "description": w.description} for w in WRITERS.values()]})
         return
-    echo_table([("read", reader.name, f"{reader.description} ({reader.looks_for})") for reader in READERS])
-    echo_table([("write", writer.name, writer.description) for writer in WRITERS.values()])
+    echo_table([("read", reader.name, reader.description, reader.looks_for) for reader in READERS])
+    echo_table([("write", writer.name, f"{writer.option}: {writer.description}") for writer in WRITERS.values()])
 
 
 def config(config: o.ConfigFile = None, settings: o.Settings = None, as_json: o.AsJson = False) -> None:

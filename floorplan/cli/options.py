@@ -9,10 +9,17 @@ if TYPE_CHECKING:
     from floorplan.config import Config
     from floorplan.drawings import Drawing
 
-Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="The recording: a folder, or a laser log.", show_default=False)]
+Scan = Annotated[
+    Path,
+    typer.Argument(metavar="SCAN", help="The recording: the folder of an app or camera, a laser log, or a ROS bag.", show_default=False),
+]
 Scans = Annotated[
     list[Path],
-    typer.Argument(metavar="SCAN...", help="The recording, a folder or a file; several of one floor are joined.", show_default=False),
+    typer.Argument(
+        metavar="SCAN...",
+        help="The recording: the folder of an app or camera, a laser log, or a ROS bag; several of one floor are joined.",
+        show_default=False,
+    ),
 ]
 Work = Annotated[Path, typer.Argument(metavar="WORK", help="The work folder of a build.", show_default=False)]
 Format = Annotated[str | None, typer.Option("--format", metavar="NAME", help="Format of the recording (default: recognised).")]
@@ -34,9 +41,7 @@ Geojson = Annotated[Path | None, typer.Option("--geojson", metavar="FILE", help=
 Ifc = Annotated[Path | None, typer.Option("--ifc", metavar="FILE", help="Building model, IFC4 (needs the extra 'ifc').")]
 Csv = Annotated[Path | None, typer.Option("--csv", metavar="DIR", help="Tables: dimensions.csv and rooms.csv in this folder.")]
 Report = Annotated[Path | None, typer.Option("--report", metavar="FILE", help="A page with the plan, its numbers and its problems (HTML).")]
-Trim = Annotated[
-    str | None, typer.Option("--trim", metavar="12s:340s", help="Use this part of the recording; either end may be left out.")
-]
+Trim = Annotated[str | None, typer.Option("--trim", metavar="12s:340s", help="Use this part of the recording; either end may be left out.")]
 Control = Annotated[
     Path | None, typer.Option("--control", metavar="POINTS.csv", help="Points on the site grid: places the plan in every export.")
 ]
@@ -45,6 +50,7 @@ North = Annotated[
 ]
 Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="Units of the drawing.")]
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
+Template = Annotated[str | None, typer.Option("--template", metavar="F.dxf", help="A title block of your own; see 'floorplan template'.")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]
 
 TOPIC_SETTINGS = {  # what `--topic` calls the topics: sweeps and clouds are read in the place of depth
@@ -108,3 +114,11 @@ def check_scan(scan: Path) -> None:
 
     if not scan.exists():
         raise InputError(f"{scan}: no such file or folder; give the folder that holds the recording, or the log file")
+
+
+def check_template(config: "Config") -> None:
+    """Raise `ConfigError` at once when the title block of one's own lacks what it must own."""
+    if config.drawing.template:
+        from floorplan.writers.dxf_template import check_template as check
+
+        check(config.drawing)

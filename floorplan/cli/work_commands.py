@@ -97,6 +97,7 @@ def export(
     units: o.Units = None,
     scale: o.Scale = None,
     sheet: o.Sheet = None,
+    template: o.Template = None,
     control: o.Control = None,
     north: o.North = None,
     quiet: o.Quiet = False,
@@ -118,7 +119,7 @@ def export(
     from floorplan.export import export as run
     from floorplan.export import export_graph
 
-    effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet)
+    effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet, template=template)
     effective = with_site(effective, control, north)
     if graph is not None:
         export_graph(work, effective, graph)

@@ -73,4 +73,7 @@ def _named(format: str) -> Reader:
     for reader in READERS:
         if reader.name == format:
             return reader
-    raise UsageError(f"unknown format {format!r}: choose one of {', '.join(reader.name for reader in READERS)}")
+    raise UsageError(
+        f"{format!r} is no format of a recording; --format is one of {', '.join(reader.name for reader in READERS)}. "
+        "Leave it out to have the format recognised; what is written has options of its own, such as --dxf FILE"
+    )

@@ -37,7 +37,7 @@ class CarmenReader:
     """See `Reader`."""
 
     name: str = "carmen"
-    description: str = "CARMEN laser log (.clf, .log, packed or not), or a folder that holds exactly one"
+    description: str = "CARMEN laser log of a robot"
     looks_for: str = "a CARMEN log (.clf, .log, also .bz2 or .gz) with FLASER or ROBOTLASER1 lines, or a folder with exactly one"
 
     def sniff(self, path: Path) -> bool:

@@ -29,7 +29,7 @@ class RosReader:
     """See `Reader`."""
 
     name: str = "ros"
-    description: str = "ROS 1 or ROS 2 bag (.bag, .db3, .mcap, or a folder with metadata.yaml)"
+    description: str = "ROS 1 or ROS 2 bag: depth images, sweeps or clouds"
     looks_for: str = "a ROS bag (.bag, .db3, .mcap), or a folder with metadata.yaml or bag files"
 
     def sniff(self, path: Path) -> bool:

@@ -79,6 +79,11 @@ class Writer:
     make: Callable[[Job], bytes]
     per_storey: bool = False
 
+    @property
+    def option(self) -> str:
+        """How it is asked for on the command line."""
+        return "--csv DIR" if self.name in ("dimensions", "rooms") else f"--{self.name} FILE"
+
 
 def _json(job: Job) -> bytes:
     from floorplan.plan.plan_json import plan_to_json

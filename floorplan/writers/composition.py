@@ -11,6 +11,7 @@ from floorplan.writers.dimension_layout import place_sizes
 from floorplan.writers.door_symbol import DoorSymbol, door_symbols
 from floorplan.writers.layers import Layer, LayerStyle, layer_styles
 from floorplan.writers.occupancy import LINE_WEIGHT, STAMP_WEIGHT, SYMBOL_WEIGHT, TEXT_WEIGHT, WALL_WEIGHT, Occupancy, Rectangle
+from floorplan.writers.open_sides import open_sides
 from floorplan.writers.placed_dimension import PlacedDimension
 from floorplan.writers.scale import Scale, choose_scale
 from floorplan.writers.sheet_size import Sheet, sheet_named
@@ -40,6 +41,7 @@ class Composition:
     stamps: tuple[PlacedStamp, ...]
     doors: tuple[DoorSymbol, ...]
     strict: bool  # cafm: what strict importers demand
+    open_sides: tuple[tuple[Point, ...], ...] = ()
 
     @property
     def left_off(self) -> tuple[str, ...]:
@@ -92,6 +94,7 @@ def compose(plan: Plan, drawing: DrawingConfig) -> Composition:
         stamps=place_stamps(plan, scale, units, final),
         doors=doors,
         strict=strict,
+        open_sides=open_sides(plan),
     )
 
 

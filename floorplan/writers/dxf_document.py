@@ -44,7 +44,7 @@ def new_document(composition: Composition, version: str, template: str = "") -> 
         version = CAFM_DXF_VERSION
     if version not in DXF_VERSIONS:
         raise ConfigError(f"drawing.dxf_version = {version!r}: use one of {', '.join(DXF_VERSIONS)}")
-    document = open_template(template, composition) if template else new(version, setup=False)
+    document = open_template(template, composition.layers) if template else new(version, setup=False)
     document.dxfversion = version
     set_up(document, composition)
     return document

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from floorplan.config import DrawingConfig
 from floorplan.errors import ConfigError
-from floorplan.writers.composition import Composition
-from floorplan.writers.layers import Layer
+from floorplan.writers.layers import Layer, LayerStyle, layer_styles
 from floorplan.writers.title_block import TITLE_BLOCK
 
 if TYPE_CHECKING:
@@ -14,7 +14,13 @@ if TYPE_CHECKING:
 REQUIRED_TAGS = ("PROJECT", "DATE", "SCALE", "ACCURACY")  # a sheet without these is not one of this program's plans
 
 
-def open_template(path: str, composition: Composition) -> "Drawing":
+def check_template(drawing: DrawingConfig) -> None:
+    """Raise ConfigError naming everything that the template of `drawing` lacks, before any work is done; none is fine."""
+    if drawing.template:
+        open_template(drawing.template, layer_styles(drawing.layers))
+
+
+def open_template(path: str, layers: dict[Layer, LayerStyle]) -> "Drawing":
     """The template as a document to draw into; raises ConfigError naming everything it lacks."""
     from ezdxf.filemanagement import readfile
     from ezdxf.lldxf.const import DXFError
@@ -25,16 +31,16 @@ def open_template(path: str, composition: Composition) -> "Drawing":
         document = readfile(path)
     except (DXFError, OSError) as error:
         raise ConfigError(f"drawing.template = {path!r}: this is no DXF file that can be read ({error})") from error
-    lacking = template_faults(document, composition)
+    lacking = template_faults(document, layers)
     if lacking:
-        raise ConfigError(f"drawing.template = {path!r} lacks {'; '.join(lacking)}; start from templates/sheet-A3.dxf")
+        raise ConfigError(f"drawing.template = {path!r} lacks {'; '.join(lacking)}; start from what 'floorplan template OUT.dxf' writes")
     return document
 
 
-def template_faults(document: "Drawing", composition: Composition) -> tuple[str, ...]:
+def template_faults(document: "Drawing", layers: dict[Layer, LayerStyle]) -> tuple[str, ...]:
     """What a template must own and does not: the title block with its attributes, and the layer it goes on."""
     faults = []
-    layer = composition.layers[Layer.TITLE_BLOCK].name
+    layer = layers[Layer.TITLE_BLOCK].name
     if layer not in document.layers:
         faults.append(f"the layer {layer}")
     if TITLE_BLOCK not in document.blocks:

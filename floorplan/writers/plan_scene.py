@@ -1,5 +1,6 @@
 """The plan itself as strokes, fills and labels on paper."""
 
+import itertools
 import math
 
 from floorplan.config import ProjectConfig
@@ -18,6 +19,8 @@ from floorplan.writers.text_size import text_width
 EXTENSION_GAP_MM = 0.8  # between the face and its extension line
 EXTENSION_OVER_MM = 1.0  # beyond the dimension line
 LINE_NOTE_MM = 1.6  # capital height of the words along free lines and glazing
+OPEN_DOTS_MM = (0.5, 1.0)  # dotted: no wall, the end of what was seen
+WORDED_SIDES = 6  # open sides that say so; the others are dotted alone
 WORDED_LINES = 3  # more lines off the axes than these say their angle in the notes, not each by itself
 TOUCHING_MM = 1.5  # a dimension line this close to its face needs no extension line
 TICK_PEN_MM = 0.35  # twice the dimension line: the stroke must be found at once
@@ -72,7 +75,17 @@ def _lines(composition: Composition) -> list[Item]:
         items.append(_stroke(composition, Layer.WALL, (line.start, line.end)))
     for glazing in plan.glazing:
         items.append(_stroke(composition, Layer.GLAZING, (glazing.start, glazing.end)))
-    return [*items, *line_notes(composition)]
+    items += [Stroke(Layer.NOTE, _on_paper(composition, side), dash_mm=OPEN_DOTS_MM) for side in composition.open_sides]
+    return [*items, *line_notes(composition), *open_side_notes(composition)]
+
+
+def open_side_notes(composition: Composition) -> list[Label]:
+    """`not seen` along the longest open sides of rooms."""
+    notes = []
+    for side in composition.open_sides[:WORDED_SIDES]:
+        start, end = max(itertools.pairwise(side), key=lambda piece: math.dist(*piece))
+        notes.append(_words_along(composition, start, end, "not seen"))
+    return [label for label in notes if label is not None]
 
 
 def line_notes(composition: Composition) -> list[Label]:
@@ -98,8 +111,12 @@ def _stroke(composition: Composition, layer: Layer, points: tuple[Point, ...]) -
 
 
 def _line_note(composition: Composition, line: FreeLine | Glazing, text: str) -> Label | None:
+    return _words_along(composition, line.start, line.end, text)
+
+
+def _words_along(composition: Composition, start: Point, end: Point, text: str) -> Label | None:
     """Words along a line, never upside down; None where the line is shorter than its words."""
-    a, b = composition.paper(line.start), composition.paper(line.end)
+    a, b = composition.paper(start), composition.paper(end)
     if math.dist(a, b) < text_width(text, LINE_NOTE_MM):
         return None
     if (b[0], b[1]) < (a[0], a[1]):

@@ -51,6 +51,8 @@ def notes(composition: Composition, facts: SheetFacts) -> tuple[str, ...]:
     said = ["Distances are face to face, with their 95 % interval from the joint adjustment of the scan."]
     if any(wall.inferred for wall in plan.walls):
         said.append("Solid lines were seen; dashed lines are inferred.")
+    if composition.open_sides:
+        said.append("Dotted: a room's open side, where no wall was seen.")
     if any(opening.kind == OpeningKind.DOOR for opening in plan.openings):
         said.append("Door swings are symbols: hinge and side were not surveyed.")
     if plan.glazing:

@@ -4,11 +4,14 @@ from pathlib import Path
 
 import ezdxf
 import pytest
+from typer.testing import CliRunner
 
 from floorplan import writers
+from floorplan.cli import app
 from floorplan.config import DrawingConfig, ProjectConfig
 from floorplan.errors import ConfigError
 from floorplan.templates_dir import templates_dir
+from floorplan.writers.dxf_template import check_template
 from tests.sample_plan import sample_plan
 
 
@@ -57,3 +60,20 @@ def test_a_template_without_its_parts_is_refused_by_name(tmp_path: Path) -> None
         with pytest.raises(ConfigError, match=name):
             written(tmp_path / name, tmp_path / "plan.dxf")
     assert not (tmp_path / "plan.dxf").exists()
+
+
+def test_the_command_writes_the_shipped_template_and_templates_of_other_sheets(tmp_path: Path) -> None:
+    for sheet in ("A3", "ANSI D"):
+        result = CliRunner().invoke(app, ["template", str(tmp_path / f"{sheet}.dxf"), "--sheet", sheet])
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "A3.dxf").read_bytes() == (templates_dir() / "sheet-A3.dxf").read_bytes()
+    check_template(DrawingConfig(template=str(tmp_path / "ANSI D.dxf")))
+
+
+def test_a_template_that_lacks_something_is_refused_before_the_build(tmp_path: Path) -> None:
+    ezdxf.new("R2010").saveas(tmp_path / "bare.dxf")
+    (tmp_path / "scan").mkdir()
+    result = CliRunner().invoke(app, ["build", str(tmp_path / "scan"), "--template", str(tmp_path / "bare.dxf")])
+    assert isinstance(result.exception, ConfigError)
+    assert "floorplan template" in str(result.exception)
+    assert not (tmp_path / "scan.floorplan").exists()
