@@ -13,7 +13,7 @@ import numpy as np
 from floorplan.errors import InputError
 from floorplan.geometry import quat_xyzw_from_rotation, rotation_from_quat_xyzw
 from floorplan.model.checks import Array
-from floorplan.model.scan import POSES_MISSING, Frame, Problem, Recording
+from floorplan.model.scan import NANOSECONDS_PER_SECOND, POSES_MISSING, Frame, Problem, Recording
 from floorplan.open3d_library import load_open3d
 from floorplan.readers.base import Source
 from floorplan.reporting import Progress
@@ -22,6 +22,7 @@ COLUMNS = 320  # finer images cost four times as much and move the result by les
 ITERATIONS = (10, 8, 6)  # coarse to fine
 LEAST_FITNESS = 0.3  # share of pixels that found a partner: with less the pair is believed not to match
 MAX_DEPTH_M = 8.0
+MAX_SPEED_M_S = 5.0  # a step that would need more is a wrong match: nobody walks a camera at a run
 OUTLIER_M = 0.07  # a partner further off in depth is another surface
 
 
@@ -50,7 +51,7 @@ def with_rgbd_odometry(source: Source, recording: Recording, progress: Progress)
     kept = tuple(p for p in recording.problems if p.code != POSES_MISSING)
     told = Problem("odometry-computed", "the trajectory was made from the images", advice="it drifts more than a device's own")
     if lost:
-        message = f"neighbouring images do not match (fitness below {LEAST_FITNESS})"
+        message = f"neighbouring images do not match (fitness below {LEAST_FITNESS}, or a step beyond {MAX_SPEED_M_S:g} m/s)"
         kept += (Problem("odometry-lost", message, f"frame {lost[0]}", len(lost), "the last motion is kept; record more slowly"),)
     return replace(recording, position_m=stacked[:, :3, 3], odom_from_sensor=rotation, problems=(*kept, told))
 
@@ -63,10 +64,13 @@ def _pairs(source: Source, recording: Recording) -> Iterator[_Pair]:
     matrix = np.array([[lens.fx, 0, lens.cx], [0, lens.fy, lens.cy], [0, 0, stride]]) / stride
     before: Any = None
     last = np.eye(4)
+    seconds = np.diff(recording.stamp_ns) / NANOSECONDS_PER_SECOND
     for frame in source.frames(range(len(recording)), stride):
         after = _image(open3d, frame) if isinstance(frame, Frame) else None
         if frame.index > 0:
             pair = _matched(open3d, before, after, matrix) if before is not None and after is not None else None
+            if pair is not None and np.linalg.norm(pair[:3, 3]) > MAX_SPEED_M_S * seconds[frame.index - 1]:
+                pair = None
             last = pair if pair is not None else last
             yield _Pair(last, pair is not None)
         before = after if after is not None else before

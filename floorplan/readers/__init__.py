@@ -13,6 +13,7 @@ from floorplan.readers.carmen import CarmenReader
 from floorplan.readers.choices import Choice, recordings_in
 from floorplan.readers.clouds import CloudsReader
 from floorplan.readers.polycam import PolycamReader
+from floorplan.readers.record3d import Record3dReader
 from floorplan.readers.ros import RosReader
 from floorplan.readers.scanner3d import Scanner3dReader
 from floorplan.readers.scannet import ScanNetReader
@@ -24,6 +25,7 @@ READERS: tuple[Reader, ...] = (
     TumReader(),
     Scanner3dReader(),
     PolycamReader(),
+    Record3dReader(),
     ArkitScenesReader(),
     ScanNetReader(),
     CarmenReader(),

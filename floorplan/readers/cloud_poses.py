@@ -78,8 +78,9 @@ def _by_number(table: PoseTable, file: Path, clouds: list[Path], problems: tuple
     if len(rows) and rows[-1] >= len(table):
         raise InputError(f"{file}: {len(table)} poses for {len(clouds)} clouds; name the clouds by their stamps, or give a pose for each")
     mine = table.rows(rows)
-    quats = np.where(mine.valid[:, None], mine.quat_xyzw, [0.0, 0.0, 0.0, 1.0])
-    return CloudPoses(mine.stamp_ns, mine.position_m, rotation_from_quat_xyzw(quats), mine.valid, problems)
+    good = np.asarray(mine.valid, dtype=bool)
+    quats = np.where(good[:, None], mine.quat_xyzw, [0.0, 0.0, 0.0, 1.0])
+    return CloudPoses(mine.stamp_ns, mine.position_m, rotation_from_quat_xyzw(quats), good, problems)
 
 
 def stamp_of_name(cloud: Path) -> int:
@@ -100,7 +101,7 @@ def _kitti(file: Path, rows: list[list[str]]) -> PoseTable:
     camera_from_lidar = _calibration(file.parent / "calib.txt")
     if camera_from_lidar is not None:
         pose = np.linalg.inv(camera_from_lidar) @ pose @ camera_from_lidar
-    good = np.isfinite(pose).all(axis=(1, 2))
+    good = np.asarray(np.isfinite(pose).all(axis=(1, 2)), dtype=bool)
     u, _, vt = np.linalg.svd(np.where(good[:, None, None], pose[:, :3, :3], np.eye(3)))
     quats = np.where(good[:, None], quat_xyzw_from_rotation(u @ vt), np.nan)
     return PoseTable(_times(file.parent / "times.txt", len(pose)), pose[:, :3, 3], quats)

@@ -11,9 +11,17 @@ from floorplan.errors import InputError
 def read_json(path: Path) -> dict[str, Any]:
     """The object in a JSON file. Raises `InputError` when there is none."""
     try:
-        return as_object(json.loads(path.read_text(encoding="utf-8-sig")), path)
-    except (OSError, ValueError) as error:
+        return text_object(path.read_bytes(), path)
+    except OSError as error:
         raise InputError(f"{path}: cannot be read ({error}); copy the recording again") from error
+
+
+def text_object(text: bytes, where: Path) -> dict[str, Any]:
+    """The JSON object in a text. Raises `InputError` when there is none."""
+    try:
+        return as_object(json.loads(text.decode("utf-8-sig")), where)
+    except ValueError as error:
+        raise InputError(f"{where}: cannot be read ({error}); copy the recording again") from error
 
 
 def as_object(value: Any, where: Path) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from floorplan.simulate.write_carmen import CarmenWriter
 from floorplan.simulate.write_clouds import KINDS as CLOUD_KINDS
 from floorplan.simulate.write_clouds import CloudsWriter
 from floorplan.simulate.write_posed import LAYOUTS, PosedWriter
+from floorplan.simulate.write_record3d import Record3dWriter
 from floorplan.simulate.write_ros import RosWriter
 from floorplan.simulate.write_stray import StrayWriter
 from floorplan.simulate.write_tum import TumWriter
@@ -85,6 +86,11 @@ def _clouds_writer(kind: str, folder: Path, instrument: Any, seed: int) -> Cloud
     return CloudsWriter(folder, instrument, kind)
 
 
+def _record3d_writer(folder: Path, instrument: Any, seed: int) -> Record3dWriter:
+    del seed  # nothing random in this format
+    return Record3dWriter(folder, instrument)
+
+
 def _as_drawn(scene: Scene) -> Scene:
     return scene
 
@@ -106,6 +112,7 @@ FORMATS = {
     "tum": Format(_as_drawn, _camera, TumWriter, 2),
     "stray": Format(_with_phone, _camera, StrayWriter, 2),
     **{name: Format(_with_phone, _camera, partial(_posed_writer, name), 2) for name in LAYOUTS},
+    "record3d": Format(_with_phone, _camera, _record3d_writer, 2),
     "carmen": Format(_on_wheels, _laser, CarmenWriter, 1),
     **{kind: Format(_as_drawn, _camera, partial(_ros_writer, kind), 2) for kind in BAG_KINDS},
 }

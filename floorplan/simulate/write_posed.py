@@ -72,7 +72,7 @@ class PosedWriter:
 
     def finish(self, walk: Walk, odometry: Odometry) -> None:
         """The images under their names, poses, intrinsics."""
-        colour = _colour_lens(self.camera)
+        colour = colour_lens(self.camera)
         facts = []
         for index, stamp_ns in enumerate(walk.stamp_ns.tolist()):
             pose = np.eye(4)
@@ -91,7 +91,7 @@ class PosedWriter:
                 old.rename(new)
 
 
-def _colour_lens(camera: Pinhole) -> Intrinsics:
+def colour_lens(camera: Pinhole) -> Intrinsics:
     """The lens of the colour image that is COLOUR_WIDTH wide. Whole numbers are pixel centres, so the middle moves by half a pixel."""
     scale = COLOUR_WIDTH / camera.width
     cx, cy = (camera.cx + 0.5) * scale - 0.5, (camera.cy + 0.5) * scale - 0.5
