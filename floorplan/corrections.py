@@ -57,7 +57,9 @@ class Corrections:
         """The merge, with what a person forbade or forced."""
         result = merge(layout.graph, layout.least_squares, self.config.merge)
         edits = self.edits
-        return edit_merge(layout.graph, layout.least_squares, result, edits) if edits.never_merge or edits.always_merge else result
+        if not edits.never_merge and not edits.always_merge:
+            return result
+        return edit_merge(layout.graph, layout.before_merge(result.method), result, edits)
 
     def solution(self, known: Surveyed) -> LayoutSolution:
         """The re-solve, with the measured distances where there are any. Raises UsageError for a merge that has no covariance."""
@@ -76,7 +78,8 @@ class Corrections:
         if edits == Edits():
             return plan
         base = self.named(plan)
-        notes = [*merge_notes(known.layout.graph, known.layout.least_squares, edits), *furniture_notes(base, edits)]
+        start = known.layout.before_merge(known.merged.method)
+        notes = [*merge_notes(known.layout.graph, start, edits), *furniture_notes(base, edits)]
         if gone := furniture_tracks(base, edits):
             base = self.named(self.drawn(known, solution, without_tracks(known.layout.tracks, gone)))
         edited = edit_plan(base, edits)

@@ -17,6 +17,14 @@ class InitialLayout:
     graph: LayoutGraph
     least_squares: LeastSquaresSolution
 
+    def before_merge(self, method: str) -> LeastSquaresSolution:
+        """The least squares that the merge of `method` starts from: the published one's is unweighted, whatever this stage was asked for."""
+        if method != "paper":
+            return self.least_squares
+        from floorplan.least_squares import published_least_squares
+
+        return published_least_squares(self.graph, self.least_squares)
+
 
 def initial_layout(scan: IngestedScan, segmented: SegmentedScan, config: Config) -> InitialLayout:
     """Segments of consecutive frames to initial planes, and where least squares puts them. Raises `InputError` when no wall was found."""

@@ -14,7 +14,10 @@ AXIS_NAMES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class TrackSighting:
-    """One side: row of the track, its offset after least squares (m), how many keyframes saw it, first and last frame of the recording."""
+    """One side: row of the track, its offset after the least squares that the merge started from (m), how many keyframes saw it,
+
+    first and last frame of the recording.
+    """
 
     track: int
     offset_m: float
@@ -47,14 +50,14 @@ class MergeRow:
 
 def merge_rows(scan: IngestedScan, layout: InitialLayout, merged: MergeResult) -> tuple[MergeRow, ...]:
     """One row per hypothesis, in the order of the merge."""
-    seen = _frames_of_tracks(scan, layout)
+    seen, offset_m = _frames_of_tracks(scan, layout), layout.before_merge(merged.method).track_offset_m
     pairs, accepted = merged.hypotheses, merged.hypotheses.accepted
     rows = []
     for h, (a, b) in enumerate(zip(pairs.first.tolist(), pairs.second.tolist(), strict=True)):
         rows.append(
             MergeRow(
-                _sighting(a, seen[a], layout),
-                _sighting(b, seen[b], layout),
+                _sighting(a, seen[a], offset_m),
+                _sighting(b, seen[b], offset_m),
                 AXIS_NAMES[int(layout.graph.axis[a])],
                 int(layout.graph.facing[a]),
                 float(pairs.distance_m[h]),
@@ -78,8 +81,8 @@ def _frames_of_tracks(scan: IngestedScan, layout: InitialLayout) -> list[Array]:
     return [np.unique(scan.keyframe[frames]) for frames in np.split(graph.frame[order], starts)]
 
 
-def _sighting(track: int, frames: Array, layout: InitialLayout) -> TrackSighting:
-    return TrackSighting(track, float(layout.least_squares.track_offset_m[track]), len(frames), int(frames[0]), int(frames[-1]))
+def _sighting(track: int, frames: Array, offset_m: Array) -> TrackSighting:
+    return TrackSighting(track, float(offset_m[track]), len(frames), int(frames[0]), int(frames[-1]))
 
 
 def _number(value: float) -> float | None:

@@ -13,7 +13,7 @@ from floorplan import __version__
 from floorplan.config import Config, SiteConfig
 from floorplan.initial_layout import InitialLayout
 from floorplan.model.checks import Array
-from floorplan.model.graph import LayoutSolution, LeastSquaresSolution, MergeResult
+from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan, Problem, Trajectory
 from floorplan.model.segment import SegmentedScan
@@ -62,19 +62,9 @@ def trajectories(results: Results) -> Trajectories:
     return Trajectories(
         odometry=in_plan_frame(odometry_trajectory(results.scan, rotation[0]), frame),
         compass=after(dead_reckoned),
-        least_squares=after(_least_squares(results).position_m),
+        least_squares=after(results.layout.before_merge(results.merged.method).position_m),
         final=after(results.solution.position_m),
     )
-
-
-def _least_squares(results: Results) -> LeastSquaresSolution:
-    """The least squares that the merge started from: the published merge's is unweighted, whatever stage 3 was asked for."""
-    layout = results.layout
-    if results.merged.method != "paper":
-        return layout.least_squares
-    from floorplan.least_squares import published_least_squares
-
-    return published_least_squares(layout.graph, layout.least_squares)
 
 
 def summary(results: Results, paths: Trajectories, scan_path: Path, work: Path, config: Config) -> Summary:

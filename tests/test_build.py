@@ -126,6 +126,7 @@ def test_the_published_merge_alone_gives_the_published_least_squares_row(scan: P
         shutil.copytree(work, folder)
         assert build(Job(scan, folder, load_config(None, settings))) is not None
         rows.append((folder / "trajectory-least-squares.tum").read_bytes())
+        assert all(row.distance_m == pytest.approx(row.first.offset_m - row.second.offset_m, abs=1e-9) for row in read_merges(folder))
     assert rows[0] == rows[1]
     assert rows[0] != (work / "trajectory-least-squares.tum").read_bytes()
 
@@ -201,6 +202,7 @@ def test_every_hypothesis_is_listed_with_the_frames_that_saw_both_sides(work: Pa
     assert len(rows) == len(results.merged.hypotheses)
     assert sum(row.accepted for row in rows) == int(results.merged.hypotheses.accepted.sum()) > 0
     assert all((row.plane[0] == row.plane[1]) for row in rows if row.accepted)
+    assert all(row.distance_m == pytest.approx(row.first.offset_m - row.second.offset_m, abs=1e-9) for row in rows)
     graph, keyframe = results.layout.graph, results.scan.keyframe
     for row in rows[:20]:
         sides = [set(keyframe[graph.frame[graph.track == side.track]].tolist()) for side in (row.first, row.second)]
