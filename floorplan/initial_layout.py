@@ -18,7 +18,7 @@ class InitialLayout:
     least_squares: LeastSquaresSolution
 
     def before_merge(self, method: str) -> LeastSquaresSolution:
-        """The least squares that the merge of `method` starts from: the published one's is unweighted, whatever this stage was asked for."""
+        """The least squares that the merge of `method` starts from: the published one's is unweighted, whatever was asked for."""
         if method != "paper":
             return self.least_squares
         from floorplan.least_squares import published_least_squares
