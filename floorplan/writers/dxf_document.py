@@ -83,6 +83,9 @@ def model_per_mm(composition: Composition) -> float:
 
 def document_bytes(document: "Drawing", recorded: str) -> bytes:
     """The file; its dates are the recording's (ISO), never the clock's."""
+    classes = document.classes
+    classes.add_required_classes(document.dxfversion)  # from a set, in an order that changes from process to process: ours is sorted
+    classes.classes = dict(sorted(classes.classes.items()))
     stream = io.StringIO()
     document.write(stream)
     text = _without_clock(stream.getvalue(), recorded)
