@@ -18,6 +18,7 @@ from floorplan.model.segment import SegmentedScan
 from floorplan.readers import open_scan
 from floorplan.reporting import Reporter, SilentReporter, tell_problems
 from floorplan.results import Results, write_root_files
+from floorplan.second_direction import direction_problems
 from floorplan.several.shared import shared_planes, tell_shared
 from floorplan.site import on_site
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
@@ -70,6 +71,7 @@ def finish(job: Job, work: WorkFolder, scan: IngestedScan, segmented: SegmentedS
     merged = work.stage(MERGE, MergeResult, lambda: corrected.merged(layout), count_merge)
     known = Surveyed(scan, segmented, layout, merged)
     solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
+    tell_problems(reporter, direction_problems(segmented))
     tell_shared(reporter, shared_planes(scan, layout.graph, solution))
     plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
     results = Results(scan, segmented, layout, merged, solution, on_site(corrected.named(plan), config.site))

@@ -20,6 +20,7 @@ from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.model.ties import Calibration
 from floorplan.plan_names import NAME, Book, book_text, load_book, named
 from floorplan.reporting import Reporter, SilentReporter
+from floorplan.second_direction import direction_problems
 from floorplan.several.start import COMMON, MATCH, read_point_pairs
 from floorplan.site import read_control
 from floorplan.stage_functions import make_plan, merge, resolve
@@ -90,7 +91,8 @@ class Corrections:
         keyframes = keyframe_trajectory(known.scan, known.segmented.frames.world_from_sensor, solution.position_m)
         scale = solution.calibration.scale if solution.calibration else 1.0
         segmented = known.segmented if scale == 1.0 else scaled_segments(known.segmented, scale)
-        return make_plan(known.scan, segmented, tracks, solution, keyframes, self.config.plan)
+        plan = make_plan(known.scan, segmented, tracks, solution, keyframes, self.config.plan)
+        return replace(plan, notes=(*plan.notes, *(f"{p.message}; {p.advice}." for p in direction_problems(known.segmented))))
 
     def named(self, plan: Plan) -> Plan:
         """The plan under the ids its things had in earlier builds."""

@@ -19,6 +19,7 @@ from floorplan.model.scan import IngestedScan, Problem, Trajectory
 from floorplan.model.segment import SegmentedScan
 from floorplan.plan_names import NAME as BOOK_NAME
 from floorplan.readers.simulated import returns_to_start as truth_returns_to_start
+from floorplan.second_direction import direction_problems
 from floorplan.summary import Summary, Trajectories, summarise
 from floorplan.trajectory import PlanFrame, every_frame, in_plan_frame, keyframe_trajectory, odometry_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
@@ -46,7 +47,7 @@ class Results:
     @property
     def problems(self) -> tuple[Problem, ...]:
         """Bad data met in the recording, then in the frames that were looked at."""
-        return self.scan.recording.problems + self.segmented.problems
+        return self.scan.recording.problems + self.segmented.problems + direction_problems(self.segmented)
 
 
 def trajectories(results: Results) -> Trajectories:

@@ -14,6 +14,7 @@ from floorplan.errors import InputError
 if TYPE_CHECKING:
     from floorplan.laser.compare import Check
 
+BY_HAND = ("Edited by hand", "Edit not applied")  # how notes about corrections by hand begin
 HEADER = ("id", "measured", "plan", "difference", "%", "95 %", "level", "room")
 
 
@@ -38,15 +39,19 @@ def check(
     bound = None if tolerance is None else parse_tolerance(tolerance)
     if bound is not None:
         reporter.message(f"tolerance: {bound}")
-    result = check_plan(read_plan(work), read_laser(laser), read_calibration(work))
+    plan = read_plan(work)
+    result = check_plan(plan, read_laser(laser), read_calibration(work))
+    by_hand = [note for storey in plan.storeys for note in storey.notes if note.startswith(BY_HAND)]
     for row in result.bad:
         reporter.message(f"not compared: {row.text}")
     if csv_file is not None:
         write_check_csv(result, csv_file)
     if as_json:
-        echo_json({**asdict(result), "calibrated": result.calibrated})
+        echo_json({**asdict(result), "calibrated": result.calibrated, "edits": by_hand})
     else:
         print_check(result)
+        for note in by_hand:
+            echo(f"note: {note}")
     if not result.rows:
         raise InputError(f"{laser}: none of its {len(result.bad) + result.empty} rows can be compared with the plan")
     if bound is not None:

@@ -46,11 +46,15 @@ def edit_plan(plan: Plan, edits: Edits) -> Edited:
 
 def _edited_storey(plan: Plan, edits: Edits) -> Plan:
     names, kinds = {e.id: e.name for e in edits.room}, {e.id: e.kind for e in edits.opening}
+    walls = tuple(wall for wall in plan.walls if wall.id not in edits.delete)
+    standing = {face for wall in walls for face in wall.faces}
+    gone = {face for wall in plan.walls if wall.id in edits.delete for face in wall.faces} - standing
     return replace(
         plan,
         rooms=tuple(replace(room, name=names.get(room.id, room.name)) for room in plan.rooms),
         openings=tuple(replace(opening, kind=kinds.get(opening.id, opening.kind)) for opening in plan.openings),
-        walls=tuple(wall for wall in plan.walls if wall.id not in edits.delete),
+        walls=walls,
+        faces=tuple(face for face in plan.faces if face.id not in gone),
         free_lines=tuple(line for line in plan.free_lines if line.id not in edits.delete),
     )
 

@@ -13,7 +13,9 @@ from scipy.linalg import cho_factor, cho_solve
 from floorplan.laser.spans import Span
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
+from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration, DistanceTies, TiedDistance
+from floorplan.range_accuracy import with_range_errors
 from floorplan.weighted_resolve import weighted_resolve
 
 MIN_FOR_SCALE = 3  # fewer distances that agree may agree by chance
@@ -26,15 +28,25 @@ MAD_TO_SIGMA = 1.4826
 
 @dataclass(frozen=True)
 class _Question:
-    """Everything in distances alone: `plan_m (T,)` = H m_0, its `covariance_m2 (T, T)`, what the meter says and its sigmas."""
+    """Everything in distances alone: `plan_m (T,)` = H m_0, its `covariance_m2 (T, T)` but for a common scale, the meter's word and sigmas.
+
+    `scale_sigma`: how well the sensor's scale is known without any tape.
+    """
 
     plan_m: Array
     covariance_m2: Array
     length_m: Array
     sigma_m: Array
+    scale_sigma: float
 
     def only(self, kept: Array) -> "_Question":
-        return _Question(self.plan_m[kept], self.covariance_m2[np.ix_(kept, kept)], self.length_m[kept], self.sigma_m[kept])
+        covariance = self.covariance_m2[np.ix_(kept, kept)]
+        return _Question(self.plan_m[kept], covariance, self.length_m[kept], self.sigma_m[kept], self.scale_sigma)
+
+    @property
+    def with_any_scale(self) -> Array:
+        """The covariance (T, T) as long as nobody has found the scale."""
+        return np.asarray(self.covariance_m2 + self.scale_sigma**2 * np.outer(self.plan_m, self.plan_m))
 
 
 @dataclass(frozen=True)
@@ -61,17 +73,27 @@ def calibrate(graph: LayoutGraph, merged: MergeResult, plain: LayoutSolution, sp
         return plain
     ties = _ties(plain, spans)
     H = ties.matrix(len(plain.plane_offset_m))
-    question = _Question(H @ plain.plane_offset_m, H @ plain.plane_covariance_m2 @ H.T, ties.length_m, ties.sigma_m)
+    accuracy = graph.range_accuracy or RangeAccuracy(0.0, 0.0)
+    covariance = H @ _without_scale(plain, plain.plane_covariance_m2, accuracy) @ H.T
+    question = _Question(H @ plain.plane_offset_m, covariance, ties.length_m, ties.sigma_m, accuracy.scale_sigma)
     used = _uncontradicted(question)
     scale = _common_scale(question.only(np.flatnonzero(used)))
     believed, scale_sigma = (scale.value, scale.sigma) if scale is not None else (1.0, 0.0)
     rows = replace(ties.only(used), scale_sigma=scale_sigma)
     solved = weighted_resolve(scaled_graph(graph, believed), merged.plane_of_track, merged.noise, ties=rows)
+    left = replace(accuracy, scale_sigma=accuracy.scale_sigma if scale is None else 0.0)  # the tape's own scale_sigma is in there
+    solved = with_range_errors(solved, replace(graph, range_accuracy=left))
     after, prediction = H @ solved.plane_offset_m, _predictions(question, used)
     numbers = np.stack((ties.length_m, ties.sigma_m, question.plan_m, after, prediction.length_m, prediction.sigma_m), axis=1)
     tied = tuple(_tied_distance(span, row, bool(kept)) for span, row, kept in zip(spans, numbers, used, strict=True))
     calibration = Calibration(believed, scale_sigma, tied, tuple(_warnings(tied)))
     return replace(solved, calibration=calibration)
+
+
+def _without_scale(plain: LayoutSolution, covariance: Array, accuracy: RangeAccuracy) -> Array:
+    """The planes' covariance without the scale error that `with_range_errors` put into it."""
+    same_axis = plain.plane_axis[:, None] == plain.plane_axis[None, :]
+    return np.asarray(covariance - accuracy.scale_sigma**2 * np.outer(plain.plane_offset_m, plain.plane_offset_m) * same_axis)
 
 
 def _tied_distance(span: Span, numbers: Array, used: bool) -> TiedDistance:
@@ -127,11 +149,12 @@ def _predictions(question: _Question, used: Array) -> _Prediction:
         part = question.only(others)
         scale = _common_scale(part)
         c = scale.value if scale is not None else 1.0
-        felt = question.covariance_m2[k, others]
-        gain = np.linalg.solve(part.covariance_m2 + np.diag(part.sigma_m**2), felt) if len(others) else felt
+        whole = question.with_any_scale if scale is None else question.covariance_m2
+        felt = whole[k, others]
+        gain = np.linalg.solve(whole[np.ix_(others, others)] + np.diag(part.sigma_m**2), felt) if len(others) else felt
         length[k] = c * question.plan_m[k] + gain @ (part.length_m - c * part.plan_m)
         scale_part = question.plan_m[k] * scale.sigma if scale is not None else 0.0
-        sigma[k] = np.sqrt(max(question.covariance_m2[k, k] - gain @ felt, 0.0) + scale_part**2)
+        sigma[k] = np.sqrt(max(whole[k, k] - gain @ felt, 0.0) + scale_part**2)
     return _Prediction(length, sigma)
 
 

@@ -33,7 +33,7 @@ PLAN = Stage(
     "6-plan",
     1,
     ("plan", "edits"),
-    ("plan.make_plan", "trajectory", "edits.plans"),
+    ("plan.make_plan", "trajectory", "edits.plans", "second_direction"),
     ("1-ingest", "2-segments", "3-least-squares", "5-resolve"),
 )
 STAGES = (INGEST, SEGMENTS, LEAST_SQUARES, MERGE, RESOLVE, PLAN)

@@ -13,6 +13,7 @@ from tests.bench.score_walls import _ends_seen, _nearest, _span, true_lines
 
 METER_SIGMA_M = 0.002
 EYE_SIGMA_M = 0.01  # a point is put down in a drawing this well
+SHORTEST_M = 0.10  # nearer true faces are one face: the plan's dimension has no truth
 MOST_TRIES = 4000
 
 
@@ -68,7 +69,8 @@ def _true_length(case: Case, dimension: dict[str, Any]) -> float | None:
         normal = case.placement.vector(plane["axis"], plane["facing"])
         axis, xy = int(np.argmax(np.abs(normal))), case.placement.xy(point)
         ends.append(_nearest(true, axis, int(np.sign(normal[axis])), float(xy[axis]), float(xy[1 - axis])))
-    return None if ends[0] is None or ends[1] is None else abs(ends[1] - ends[0])
+    apart = 0.0 if ends[0] is None or ends[1] is None else abs(ends[1] - ends[0])
+    return apart if apart > SHORTEST_M else None
 
 
 def write_rows(rows: list[MeasuredRow], path: Path) -> None:

@@ -21,6 +21,13 @@ def test_names_kinds_and_deletions_are_applied_and_told() -> None:
     assert plan.notes == tuple(f"Edited by hand: {what}." for what in ("room R2", "opening O5", "delete W17", "delete L1"))
 
 
+def test_a_deleted_wall_takes_its_faces_along_but_not_those_another_wall_shares() -> None:
+    plan = sample_plan()
+    plan = replace(plan, walls=(*plan.walls, Wall("W50", ("F1", "F2"), ()), Wall("W51", ("F1",), ())))
+    assert [face.id for face in edit_plan(plan, Edits(delete=("W50",))).plan.faces] == ["F1"]
+    assert [face.id for face in edit_plan(plan, Edits(delete=("W50", "W51"))).plan.faces] == []
+
+
 def test_what_is_not_there_is_told_and_changes_nothing() -> None:
     edited = edit_plan(sample_plan(), Edits(room=(RoomName("R99", "x"),), delete=("W99",)))
     assert edited.plan.rooms == sample_plan().rooms

@@ -1,5 +1,7 @@
 """Calibration by tape, on a graph whose walls and scale are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from floorplan.laser.table import LaserRow
 from floorplan.least_squares import least_squares
 from floorplan.merge import merge
 from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
+from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import DistanceTies
 from floorplan.resolve import resolve
 from floorplan.weighted_resolve import weighted_resolve
@@ -47,6 +50,20 @@ def test_a_common_scale_is_found_and_taken_out() -> None:
     left = [plain.plane_offset_m[s.upper] - plain.plane_offset_m[s.lower] - s.row.measured_m for s in spans_of(plain, 1.01)[5:]]
     right = [result.plane_offset_m[s.upper] - result.plane_offset_m[s.lower] - s.row.measured_m for s in spans_of(plain, 1.01)[5:]]
     assert np.abs(right).max() < np.abs(left).max() / 2
+
+
+def test_a_scale_is_found_that_the_sensor_may_well_have_and_its_bias_stays_in_the_intervals() -> None:
+    accuracy = RangeAccuracy(scale_sigma=0.005, bias_sigma_m=0.004)
+    graph = replace(scaled_graph(loop_graph(1)[0], 1.01), range_accuracy=accuracy)
+    merged, plain = solved(graph)
+    result = calibrate(graph, merged, plain, spans_of(plain, 1.01)[:5])
+    assert result.calibration is not None
+    assert result.calibration.scale == pytest.approx(1 / 1.01, abs=0.003)
+    assert result.plane_sigma_m.min() >= 0.004
+    assert np.median(result.plane_sigma_m) < np.median(plain.plane_sigma_m)
+    wrong = calibrate(graph, merged, plain, spans_of(plain, 1.01)[:2])
+    assert wrong.calibration is not None
+    assert wrong.calibration.scale == 1.0  # two distances are too few to tell
 
 
 def test_without_a_scale_error_none_is_made_up() -> None:

@@ -166,3 +166,11 @@ def test_rows_that_calibrated_the_plan_are_marked_and_prove_nothing() -> None:
     assert check_plan(PLAN, table).mean_m == pytest.approx(0.015)
     unused = Calibration(1.0, 0.0, (replace(tied, used=False),))
     assert check_plan(PLAN, table, unused).calibrated == 0
+
+
+def test_corrections_by_hand_are_told_with_the_check(work: Path) -> None:
+    note = "Edited by hand: always_merge tracks 3 and 17, 0.83 m apart after least squares."
+    (work / "plan.json").write_text(plan_to_json(replace(PLAN, notes=("Room R1 is dark.", note))), "utf-8")
+    assert f"note: {note}" in RUNNER.invoke(app, ["check", str(work), str(work / "laser.csv")]).stdout
+    tree = json.loads(RUNNER.invoke(app, ["check", str(work), str(work / "laser.csv"), "--json", "-q"]).stdout)
+    assert tree["edits"] == [note]
