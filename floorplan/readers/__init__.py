@@ -33,6 +33,8 @@ READERS: tuple[Reader, ...] = (
     CloudsReader(),
 )
 
+LFS_POINTER = b"version https://git-lfs"  # what stands in place of a large file in a clone without LFS
+
 __all__ = ["READERS", "BadFrame", "Choice", "Reader", "Source", "choices_in", "open_scan", "reader_for"]
 
 
@@ -49,6 +51,8 @@ def reader_for(path: Path, format: str | None = None) -> Reader:
     """The reader called `format`, or the first one that recognises what is at `path`. Errors as in `open_scan`."""
     if not path.exists():
         raise InputError(f"{path}: no such file or folder. Give the folder that holds the recording, or the log file.")
+    if path.is_file() and _is_lfs_pointer(path):
+        raise InputError(f"{path}: a Git LFS pointer, not the recording itself; 'git lfs pull' brings it")
     if format is not None:
         return _named(format)
     choices = choices_in(path)
@@ -69,6 +73,11 @@ def choices_in(path: Path) -> tuple[Choice, ...]:
         return ()
     found = recordings_in(path, READERS)
     return found if reader is None or len(found) > 1 else ()
+
+
+def _is_lfs_pointer(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(LFS_POINTER)) == LFS_POINTER
 
 
 def _named(format: str) -> Reader:

@@ -83,11 +83,16 @@ class CutContents:
 def cut_files(paths: tuple[Path, ...]) -> tuple[Path, ...]:
     """All files of the bag when one of them is cut off or not there; empty when the bag is whole."""
     folder = paths[0] if paths[0].is_dir() else None
-    files = paths if folder is None else tuple(sorted(f for f in folder.iterdir() if f.suffix in FORMATS))
+    files = bag_files(paths)
     if any(FORMATS[file.suffix].is_cut(file) for file in files):
         return files
     listed = _listed_files(folder) if folder is not None else set()
     return files if listed - {file.name for file in files} else ()
+
+
+def bag_files(paths: tuple[Path, ...]) -> tuple[Path, ...]:
+    """The files of a bag given as such or as their folder."""
+    return paths if not paths[0].is_dir() else tuple(sorted(f for f in paths[0].iterdir() if f.suffix in FORMATS))
 
 
 def cut_contents(files: tuple[Path, ...]) -> CutContents:

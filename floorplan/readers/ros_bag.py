@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from floorplan.errors import InputError
 from floorplan.model.scan import Problem
-from floorplan.readers.cut_bag import METADATA, CutContents, cut_contents, cut_files
+from floorplan.readers.cut_bag import METADATA, CutContents, bag_files, cut_contents, cut_files
 
 BAG_SUFFIXES = (".bag", ".db3", ".mcap")
 REPAIR = {
@@ -105,22 +105,25 @@ class _CutBag:
         types = {topic.name: topic.type for topic in self.contents.topics}
         store, ros1 = _types_of(self.contents), self.contents.files[0].suffix == ".bag"
         decode = store.deserialize_ros1 if ros1 else store.deserialize_cdr
+        for type in {types[topic] for topic in topics if topic in types} - set(store.fielddefs):
+            raise InputError(f"{self.contents.files[0]}: the bag's definition of {type} cannot be read; record usual messages")
         for topic, written_ns, raw in self.contents.messages(topics, start, stop):
             if not wanted or written_ns in wanted:
                 yield BagMessage(topic, types[topic], written_ns, decode(raw, types[topic]))
 
 
 def _types_of(contents: CutContents) -> Any:
-    """The usual message types, replaced by those that the bag defines itself."""
-    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+    """The usual message types, replaced by those that the bag defines itself; what cannot be parsed (events of services) is left out."""
+    from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 
     ros1 = contents.files[0].suffix == ".bag"
     types = dict(get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE).fielddefs)
     for told in contents.definitions:
-        if told.encoding == "ros2idl":
-            types.update(get_types_from_idl(told.definition))
-        else:
-            types.update(get_types_from_msg(told.definition, told.type))
+        try:
+            idl = told.encoding == "ros2idl"
+            types.update(get_types_from_idl(told.definition) if idl else get_types_from_msg(told.definition, told.type))
+        except TypesysError:
+            continue  # of a topic nobody asks for; where it is asked for, the missing type is an error
     store = get_typestore(Stores.EMPTY)
     store.register(types)
     return store
@@ -144,9 +147,17 @@ class _opened:  # noqa: N801 - a context manager, used like a function
             self.reader = AnyReader(self.paths, default_typestore=get_typestore(Stores.ROS2_HUMBLE))
             self.reader.open()
         except (AnyReaderError, OSError) as error:
+            if (plain := self._record_by_record()) is not None:
+                return plain
             remedy = REPAIR.get(self.paths[0].suffix, "check that all files of the bag are there")
             raise InputError(f"{self.paths[0]}: the bag cannot be opened: {error}. If it was cut off: {remedy}") from error
         return _WholeBag(self.reader)
+
+    def _record_by_record(self) -> _Bag | None:
+        """The same files without rosbags, which gives up on one definition it cannot parse; None where they hold nothing either."""
+        self.reader = None
+        contents = cut_contents(bag_files(self.paths))
+        return _CutBag(contents) if contents.blocks else None
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         from rosbags.highlevel import AnyReaderError

@@ -27,6 +27,7 @@ class Bag:
 
     kind: str
     written: list[tuple[str, str, int, Any]] = field(default_factory=list)
+    unreadable_definition: bool = False  # as of a service's events, which no parser of messages understands
 
     def __post_init__(self) -> None:
         self.store = get_typestore(Stores.ROS1_NOETIC if self.kind == "bag" else Stores.ROS2_HUMBLE)
@@ -53,6 +54,9 @@ class Bag:
             writer = Writer2(path, version=9, storage_plugin=StoragePlugin.SQLITE3 if self.kind == "db3" else StoragePlugin.MCAP)
         with writer:
             connections: dict[str, Any] = {}
+            if self.unreadable_definition:
+                told = {"msgdef": "A a\n" + "=" * 80 + "\nMSG: test_msgs/srv/A\n!", "rihs01": "RIHS01_" + "0" * 64}
+                writer.add_connection("/service/_service_event", "test_msgs/srv/A_Event", **told)
             for topic, type, log_ns, value in sorted(self.written, key=lambda row: row[2]):
                 if topic not in connections:
                     connections[topic] = writer.add_connection(topic, type, typestore=self.store)

@@ -168,6 +168,27 @@ def test_a_cloud_without_a_grid_is_put_on_rings_and_columns(tmp_path: Path, told
     np.testing.assert_array_equal(frame.points, expected)
 
 
+def test_a_definition_that_cannot_be_parsed_hides_no_other_topic(tmp_path: Path) -> None:
+    walk = Walk()
+    plain, odd = Bag("mcap"), Bag("mcap", unreadable_definition=True)
+    for bag in (plain, odd):
+        bag.add_depth(walk)
+        bag.add_odometry(walk)
+    want, got = open_scan(plain.write(tmp_path / "plain")), open_scan(odd.write(tmp_path / "odd"))
+    assert len(got.recording) == len(want.recording) == len(walk.stamp_s)
+    assert got.recording.problems == want.recording.problems
+    for a, b in zip(got.frames([0, 5]), want.frames([0, 5]), strict=True):
+        assert isinstance(a, Frame)
+        assert isinstance(b, Frame)
+        np.testing.assert_array_equal(a.points, b.points)
+
+
+def test_a_git_lfs_pointer_in_place_of_a_bag_is_told_as_such(tmp_path: Path) -> None:
+    (tmp_path / "walk.mcap").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n")
+    with pytest.raises(InputError, match="git lfs pull"):
+        open_scan(tmp_path / "walk.mcap")
+
+
 def test_several_depth_topics_are_listed_with_the_setting_that_chooses(tmp_path: Path) -> None:
     bag = depth_bag("db3")
     bag.add_depth(WALK, topic="/rear/depth/image")
