@@ -17,7 +17,7 @@ demo: $(STAMP)
 > $(VENV)/bin/floorplan build $(SAMPLE) --work demo/work --dxf demo/plan.dxf --svg demo/plan.svg --png demo/plan.png --report demo/plan.html
 
 test: $(STAMP)
-> $(RUN) -m pytest
+> $(RUN) -m pytest --numprocesses auto --dist loadfile
 
 lint: $(STAMP)
 > $(VENV)/bin/ruff check .
