@@ -10,6 +10,7 @@ from floorplan.errors import InputError, UsageError
 from floorplan.gravity import estimate_gravity
 from floorplan.keyframes import select_keyframes
 from floorplan.loop_closing import close_loops
+from floorplan.matching_problems import matching_problems
 from floorplan.model.checks import Array
 from floorplan.model.scan import POSES_MISSING, Frame, GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
 from floorplan.readers.base import BadFrame, Source
@@ -30,12 +31,10 @@ def ingest(source: Source, config: IngestConfig, progress: Progress = no_progres
         return IngestedScan(recording, keyframes_of(recording, config))
     recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
     refined = refine_odometry(source, recording, progress)
-    if not config.close_loops:
-        recording = with_level_poses(recording, refined.pose)
-        return IngestedScan(recording, keyframes_of(recording, config), recorded)
-    closed = close_loops(refined, progress)
-    recording = with_level_poses(recording, closed.pose)
-    return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=closed.sigma_m)
+    closed = close_loops(refined, progress) if config.close_loops else None
+    recording = replace(recording, problems=recording.problems + matching_problems(refined, closed))
+    recording = with_level_poses(recording, refined.pose if closed is None else closed.pose)
+    return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=None if closed is None else closed.sigma_m)
 
 
 def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:

@@ -1,0 +1,37 @@
+"""What matching a laser's sweeps says about its trajectory: places where it may have been lost, loops that do not agree."""
+
+import numpy as np
+
+from floorplan.loop_closing import ClosedLoops
+from floorplan.model.checks import Array
+from floorplan.model.scan import Problem
+from floorplan.sweep_matching import RefinedOdometry
+
+_LOST_SHARE = 0.3  # of a sweep's surfaces: with less it fits nothing seen before it
+_MANY_REJECTED = 0.2  # of the loops; a few wrong ones are ordinary
+
+
+def matching_problems(refined: RefinedOdometry, closed: ClosedLoops | None) -> tuple[Problem, ...]:
+    """Problems of the matched trajectory: coded, counted, with the first place."""
+    return _lost(refined.matched) + (() if closed is None else _contradicting(closed))
+
+
+def _lost(matched: Array) -> tuple[Problem, ...]:
+    """Two sweeps and more in a row that fit nothing: one alone is a person walking by."""
+    low = np.concatenate(([False], matched[1:] < _LOST_SHARE))  # the first sweep has nothing to fit
+    runs = np.flatnonzero(low[1:] & low[:-1])
+    if len(runs) == 0:
+        return ()
+    count = int((low & (np.roll(low, 1) | np.roll(low, -1))).sum())
+    message = f"{count} sweeps in a row or more fit nothing seen before them; only the odometry places them"
+    advice = "what comes after may be turned or shifted against what came before; look at the plan there"
+    return (Problem("sweeps-lost", message, f"sweep {int(runs[0])}", count, advice),)
+
+
+def _contradicting(closed: ClosedLoops) -> tuple[Problem, ...]:
+    if closed.rejected <= _MANY_REJECTED * (closed.joined + closed.rejected):
+        return ()
+    message = f"{closed.rejected} of {closed.joined + closed.rejected} places seen again contradict the others and are left out"
+    return (
+        Problem("loops-contradict", message, count=closed.rejected, advice="parts of the plan may be turned or shifted against others"),
+    )

@@ -1,0 +1,28 @@
+"""Problems of a matched trajectory, and none where there are none."""
+
+import numpy as np
+
+from floorplan.loop_closing import ClosedLoops
+from floorplan.matching_problems import matching_problems
+from floorplan.sweep_matching import RefinedOdometry
+
+
+def refined(matched: list[float]) -> RefinedOdometry:
+    count = len(matched)
+    return RefinedOdometry(np.zeros((count, 3)), np.array(matched), np.zeros((count, 3, 3)), np.zeros(0, dtype=np.int64), ())
+
+
+def closed(joined: int, rejected: int) -> ClosedLoops:
+    return ClosedLoops(np.zeros((1, 3)), np.ones(1), joined, rejected)
+
+
+def test_sweeps_that_fit_nothing_for_a_while_are_counted_and_one_alone_is_not() -> None:
+    assert matching_problems(refined([0.0, 0.9, 0.1, 0.95, 0.9]), None) == ()
+    (lost,) = matching_problems(refined([0.0, 0.9, 0.1, 0.2, 0.0, 0.9]), closed(9, 1))
+    assert (lost.code, lost.count, lost.where, lost.fatal) == ("sweeps-lost", 3, "sweep 2", False)
+
+
+def test_a_fifth_of_the_loops_may_contradict_the_others_and_more_are_reported() -> None:
+    assert matching_problems(refined([0.0, 0.9]), closed(80, 20)) == ()
+    (wrong,) = matching_problems(refined([0.0, 0.9]), closed(70, 30))
+    assert (wrong.code, wrong.count) == ("loops-contradict", 30)
