@@ -13,6 +13,7 @@ from floorplan.config import Config
 from floorplan.errors import UsageError
 
 if TYPE_CHECKING:
+    from floorplan.drawings import Drawing
     from floorplan.work.status import StageStatus
 
 
@@ -116,21 +117,25 @@ def export(
         raise UsageError(f"nothing to write: give at least one of {', '.join(f'--{name}' for name in options)}")
     read_owner(work)
     from floorplan.corrections import with_site
-    from floorplan.export import export as run
     from floorplan.export import export_graph
 
     effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet, template=template)
     effective = with_site(effective, control, north)
+    if drawings:
+        _export_drawings(work, effective, drawings, quiet)
     if graph is not None:
         export_graph(work, effective, graph)
-    if drawings:
-        exported = run(work, effective, drawings, ConsoleReporter(quiet))
-        if exported.plan.site is not None and not quiet:
-            print_site(exported.plan.site)
-        for path in exported.files:
-            echo(str(path))
-    if graph is not None:
         echo(str(graph))
+
+
+def _export_drawings(work: Path, config: Config, drawings: "tuple[Drawing, ...]", quiet: bool) -> None:
+    from floorplan.export import export as run
+
+    exported = run(work, config, drawings, ConsoleReporter(quiet))
+    if exported.plan.site is not None and not quiet:
+        print_site(exported.plan.site)
+    for path in exported.files:
+        echo(str(path))
 
 
 def _export_frame(work: Path, frame: int, png: Path | None, config: Config) -> None:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -68,13 +69,18 @@ def simulate(
     instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
     coverage = Coverage(surfaces, instrument.rays, chosen.coverage_stride)
     writer = chosen.writer(out, instrument, noise)
+    _record(instrument, writer, coverage, scene, progress)
+    writer.finish(scene.walk, odometry)
+    truth = truth_of(replace(scene, seed=seed), parts, coverage)
+    (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
+
+
+def _record(instrument: Any, writer: Any, coverage: Coverage, scene: Scene, progress: Progress) -> None:
+    """Every frame of the walk: taken, written, and what it saw remembered."""
     for index, shot in enumerate(instrument.shots(scene.walk)):
         coverage.add(shot.surface, shot.true_m, scene.walk.position_m[index], scene.walk.world_from_camera[index])
         writer.frame(index, shot)
         progress(index + 1, len(scene.walk))
-    writer.finish(scene.walk, odometry)
-    truth = truth_of(replace(scene, seed=seed), parts, coverage)
-    (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
 
 
 def odometry_of(scene: Scene, seeds: list[int], hard: bool, error: float | None) -> Odometry:

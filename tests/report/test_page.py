@@ -96,7 +96,7 @@ def test_a_browser_finds_no_fault_and_clicks_work(page: str, tmp_path: Path, siz
     data = '<script type="application/json"'
     probed = page.replace("<head>", "<head>" + WATCH, 1).replace(data, FIRST + data, 1)
     (tmp_path / "p.html").write_text(probed.replace("</body>", PROBE + "</body>"), "utf-8")
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", f"--window-size={size}", "--virtual-time-budget=3000", "--dump-dom"]
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", f"--window-size={size}", "--virtual-time-budget=20000", "--dump-dom"]
     address = f"file://{tmp_path / 'p.html'}"
     dom = subprocess.run([browser, *options, address], capture_output=True, text=True, timeout=120, check=True).stdout
     title = re.search(r"<title>(.*?)</title>", dom)
