@@ -1,22 +1,24 @@
 """The whole job, in one function: read this first."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 from floorplan.chunked_segments import segment_in_chunks
 from floorplan.config import Config
 from floorplan.config_file import config_to_toml
 from floorplan.corrections import Corrections, Surveyed
-from floorplan.drawings import Drawing, check_sheet, write_drawings
+from floorplan.drawings import Drawing, check_sheet
 from floorplan.initial_layout import InitialLayout, initial_layout
+from floorplan.kept_drawings import draw_what_changed
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
 from floorplan.readers import open_scan
-from floorplan.reporting import Reporter, SilentReporter, tell_problems
+from floorplan.reporting import Reporter, SilentReporter, in_one_step, tell_problems
 from floorplan.results import Results, write_root_files
 from floorplan.second_direction import direction_problems
 from floorplan.several.shared import shared_planes, tell_shared
@@ -29,6 +31,8 @@ from floorplan.work.fingerprint import scan_fingerprint
 from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
 from floorplan.work.lock import locked
 from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
     check_sheet(job.drawings, config.drawing, source.recording.position_m[:, :2])
     owner = Owner(str(job.scan.resolve()), source.recording.format, scan_fingerprint(job.scan, job.work))
     with opened_work(job, owner, reporter) as work, suppress(UntilReached):
-        scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress("gravity")), count_scan)
+        scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress), count_scan)
         tell_problems(reporter, scan.recording.problems)
         segmented = work.stage(SEGMENTS, SegmentedScan, lambda: segment_in_chunks(source, scan, config, work, job.jobs), count_segments)
         tell_problems(reporter, segmented.problems)
@@ -66,17 +70,21 @@ def build(job: Job, reporter: Reporter | None = None) -> Results | None:
 def finish(job: Job, work: WorkFolder, scan: IngestedScan, segmented: SegmentedScan, reporter: Reporter) -> Results:
     """From segments to the plan, its files and drawings. Raises `UntilReached` where `job.until` stops before."""
     config = job.config
-    layout = work.stage(LEAST_SQUARES, InitialLayout, lambda: initial_layout(scan, segmented, config), count_layout)
+
+    def step(title: str, make: Callable[[], T]) -> Callable[[], T]:
+        return lambda: in_one_step(reporter.progress(title), make)
+
+    layout = work.stage(LEAST_SQUARES, InitialLayout, step("planes", lambda: initial_layout(scan, segmented, config)), count_layout)
     corrected = Corrections(config, work.path, reporter)
-    merged = work.stage(MERGE, MergeResult, lambda: corrected.merged(layout), count_merge)
+    merged = work.stage(MERGE, MergeResult, step("merging planes", lambda: corrected.merged(layout)), count_merge)
     known = Surveyed(scan, segmented, layout, merged)
-    solution = work.stage(RESOLVE, LayoutSolution, lambda: corrected.solution(known), count_solution)
+    solution = work.stage(RESOLVE, LayoutSolution, step("solving again", lambda: corrected.solution(known)), count_solution)
     tell_problems(reporter, direction_problems(segmented))
     tell_shared(reporter, shared_planes(scan, layout.graph, solution))
-    plan = work.stage(PLAN, Plan, lambda: corrected.plan(known, solution), count_plan)
+    plan = work.stage(PLAN, Plan, step("plan", lambda: corrected.plan(known, solution)), count_plan)
     results = Results(scan, segmented, layout, merged, solution, on_site(corrected.named(plan), config.site))
     table = write_root_files(results, job.scan, work.path, config)
-    write_drawings(results, table, job.scan, job.drawings, config, reporter)
+    draw_what_changed(results, table, job.scan, job.drawings, config, reporter, work.path)
     return results
 
 

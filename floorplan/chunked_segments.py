@@ -25,14 +25,14 @@ def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: 
     from floorplan.compass import CompassPrior, survey
 
     if not segments.compiled_before():
-        work.reporter.message("first use: compiling the front end for this machine, once; about half a minute")
+        work.reporter.message("first use: compiling for this machine, once: about a minute here, some seconds in later steps")
     store, show = work.chunks(SEGMENTS), work.reporter.progress("segments")
     prior = store.get("prior", CompassPrior, lambda: survey(scan, source, config.compass, work.reporter.progress("compass"), jobs))
     parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))
     stride = segments.grid_stride(scan.recording.sensor, config.segments)
 
     def make(rows: Array) -> segments.SegmentedChunk:
-        return segments.segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.compass, config.segments)
+        return segments.segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.segments)
 
     def chunk(number: int) -> segments.SegmentedChunk:
         return store.get(f"chunk-{number:05d}", segments.SegmentedChunk, lambda: make(parts[number]))

@@ -1,13 +1,31 @@
 """The one door to numba: compiled on first call, cached on disk, without the interpreter lock."""
 
+import atexit
+import os
+import shutil
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+from numba import njit as njit
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+
+def _keep_machine_code() -> None:
+    """Where neither the package nor the user's home can be written, machine code is kept for this run alone, not refused."""
+    settings = cast(Any, numba.config)
+    user_cache = Path.home() / ".cache"
+    existing = next(path for path in (user_cache, *user_cache.parents) if path.exists())
+    if not (settings.CACHE_DIR or os.access(Path(__file__).parent, os.W_OK) or os.access(existing, os.W_OK)):
+        settings.CACHE_DIR = tempfile.mkdtemp(prefix="floorplan-")
+        atexit.register(shutil.rmtree, settings.CACHE_DIR, ignore_errors=True)
+
+
+_keep_machine_code()
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:

@@ -15,23 +15,23 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import POSES_MISSING, Frame, GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
 from floorplan.readers.base import BadFrame, Source
 from floorplan.recording_checks import frozen_start, motion_problems
-from floorplan.reporting import Progress, no_progress
+from floorplan.reporting import Steps, no_steps
 from floorplan.rgbd_odometry import with_rgbd_odometry
 from floorplan.sweep_matching import refine_odometry, with_level_poses
 
 
-def ingest(source: Source, config: IngestConfig, progress: Progress = no_progress) -> IngestedScan:
+def ingest(source: Source, config: IngestConfig, steps: Steps = no_steps) -> IngestedScan:
     """The recording with gravity known, problems counted, and the frames to look at.
 
     Raises `InputError` when the recording cannot be used: it names every fatal problem.
     """
-    recording = examine(source, config, progress)
+    recording = examine(source, config, steps)
     stop_on_fatal(recording.problems)
     if not _is_to_be_refined(recording, config):
         return IngestedScan(recording, keyframes_of(recording, config))
     recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
-    refined = refine_odometry(source, recording, progress)
-    closed = close_loops(refined, progress) if config.close_loops else None
+    refined = refine_odometry(source, recording, steps("matching sweeps"))
+    closed = close_loops(refined, steps("closing loops")) if config.close_loops else None
     recording = replace(recording, problems=recording.problems + matching_problems(refined, closed))
     recording = with_level_poses(recording, refined.pose if closed is None else closed.pose)
     return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=None if closed is None else closed.sigma_m)
@@ -62,15 +62,15 @@ class _Reposed:
         return self.source.frames(indices, stride)
 
 
-def examine(source: Source, config: IngestConfig, progress: Progress = no_progress) -> Recording:
+def examine(source: Source, config: IngestConfig, steps: Steps = no_steps) -> Recording:
     """The recording with every problem listed, fatal ones too, and its gravity where it can be had."""
     recording = source.recording
     if config.odometry == "rgbd" or (config.odometry == "auto" and _stands_still(recording)):
-        recording = with_rgbd_odometry(source, recording, progress)
+        recording = with_rgbd_odometry(source, recording, steps("odometry from images"))
         source = _Reposed(source, recording)
     found = motion_problems(recording) + too_many_unreadable(recording, config.max_unreadable_share)
     if recording.gravity_source is GravitySource.UNKNOWN:
-        recording = estimate_gravity(source, keyframes_of(recording, config), progress)
+        recording = estimate_gravity(source, keyframes_of(recording, config), steps("gravity"))
     if config.returns_to_start is not None:
         recording = replace(recording, returns_to_start=config.returns_to_start)
     return replace(recording, problems=recording.problems + found)

@@ -12,7 +12,7 @@ from floorplan.model.scan import Frame, Intrinsics, Problem, Recording, SensorKi
 from floorplan.readers.base import Source
 from floorplan.recording_advice import recording_advice, walking_speed_m_s
 from floorplan.recording_checks import Motion, frame_gaps, motion_of
-from floorplan.reporting import Progress, no_progress
+from floorplan.reporting import Steps, no_steps
 
 SAMPLED_FRAMES = 25  # for the median range
 START_S = 4.0  # libraries loaded, plan and drawings, whatever the length
@@ -63,9 +63,9 @@ class _Ranges:
     read_s: float  # a frame, in the median
 
 
-def inspect_scan(source: Source, config: IngestConfig, progress: Progress = no_progress) -> Inspection:
+def inspect_scan(source: Source, config: IngestConfig, steps: Steps = no_steps) -> Inspection:
     """Facts about an opened scan; fatal problems are listed, not raised."""
-    recording = examine(source, config, progress)
+    recording = examine(source, config, steps)
     motion, sensor = motion_of(recording), recording.sensor
     gaps, ranges = frame_gaps(motion), _ranges(source)
     stamps_s, keyframes = recording.stamp_ns * 1e-9, len(keyframes_of(recording, config))

@@ -1,8 +1,8 @@
 """Compiled elimination of a scalar chain into its border; see `floorplan.reduction`."""
 
 import numpy as np
-from numba import njit
 
+from floorplan.compiled import njit
 from floorplan.model.checks import Array
 
 FORGOTTEN = 1e-18  # a column's share below this part of its own scale cannot change a double

@@ -1,16 +1,34 @@
 """How the job tells what it is doing, without knowing who listens. The default listener is silent."""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from floorplan.model.scan import Problem
 
+T = TypeVar("T")
 Progress = Callable[[int, int], None]  # called with (done, total)
 
 
 def no_progress(done: int, total: int) -> None:
     """A progress callback that does nothing."""
+
+
+Steps = Callable[[str], Progress]  # progress of one named step of a longer job
+
+
+def no_steps(title: str) -> Progress:
+    """Steps that nobody watches."""
+    return no_progress
+
+
+def in_one_step(progress: Progress, work: Callable[[], T]) -> T:
+    """What `work` gives, shown as a single step: begun, then done."""
+    progress(0, 1)
+    try:
+        return work()
+    finally:
+        progress(1, 1)
 
 
 class Reporter(Protocol):

@@ -26,7 +26,6 @@ from floorplan.work.disk import clear_disk_errors, new_file
 from floorplan.work.folder import read_stage_record
 from floorplan.work.stages import STAGES
 from floorplan.work.values import decode, write_json
-from floorplan.writers.tum import write_tum
 
 PLAN_NAME, SUMMARY_NAME = "plan.json", "summary.json"
 TRAJECTORY_NAMES = ("trajectory.tum", "trajectory-odometry.tum", "trajectory-compass.tum", "trajectory-least-squares.tum")
@@ -87,6 +86,7 @@ def write_root_files(results: Results, scan_path: Path, work: Path, config: Conf
     if (known := _kept_summary(work, root_key(work, _returns_to_start(results, scan_path, config), config))) is not None:
         return known
     from floorplan.plan.plan_json import plan_to_json
+    from floorplan.writers.tum import write_tum
 
     paths = trajectories(results)
     table = summary(results, paths, scan_path, work, config)

@@ -6,14 +6,14 @@ from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import SegmentedScan, Tracks
 from floorplan.readers.base import Source
-from floorplan.reporting import Progress
+from floorplan.reporting import Steps
 
 
-def ingest(source: Source, config: IngestConfig, progress: Progress) -> IngestedScan:
+def ingest(source: Source, config: IngestConfig, steps: Steps) -> IngestedScan:
     """See `floorplan.ingest`."""
     from floorplan.ingest import ingest as run
 
-    return run(source, config, progress)
+    return run(source, config, steps)
 
 
 def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:

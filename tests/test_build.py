@@ -174,6 +174,26 @@ def test_another_scan_is_refused_a_used_work_folder(scan: Path, work: Path, tmp_
         build(Job(other, work))
 
 
+def test_drawings_are_made_again_when_the_plan_the_sheet_or_the_file_changed_and_only_then(scan: Path, work: Path, tmp_path: Path) -> None:
+    folder, path = tmp_path / "work", tmp_path / "plan.svg"
+    shutil.copytree(work, folder)
+    job = Job(scan, folder, drawings=(Drawing("svg", path),))
+    build(job)
+    first, made = path.read_bytes(), path.stat().st_mtime_ns
+    build(job)
+    assert path.stat().st_mtime_ns == made  # left alone
+    path.write_bytes(b"spoilt")
+    build(job)
+    assert path.read_bytes() == first
+    build(replace(job, config=load_config(None, ["drawing.sheet=A2"])))
+    assert path.read_bytes() != first
+    build(job)
+    assert path.read_bytes() == first
+    path.unlink()
+    build(job)
+    assert path.read_bytes() == first
+
+
 def test_a_drawing_setting_makes_no_stage_again(scan: Path, work: Path) -> None:
     record = (work / "1-ingest" / "stage.json").stat().st_mtime_ns, (work / "6-plan" / "stage.json").stat().st_mtime_ns
     build(Job(scan, work, load_config(None, ["drawing.units=mm", "project.name=Flat"])))

@@ -19,7 +19,7 @@ def _segmented(box: BoxScan, config: SegmentsConfig, chunk: int = 10, backwards:
     prior = survey(scan, box, compass)
     stride = grid_stride(scan.recording.sensor, config)
     starts = range(0, len(scan.keyframe), chunk)
-    chunks = [segment_chunk(scan, prior, box.frames(scan.keyframe[a : a + chunk], stride), compass, config) for a in starts]
+    chunks = [segment_chunk(scan, prior, box.frames(scan.keyframe[a : a + chunk], stride), config) for a in starts]
     return prior, join(scan, prior, chunks[::-1] if backwards else chunks)
 
 

@@ -34,7 +34,7 @@ def info(
         _print_choices(scan, choices, as_json)
         return
     source = trimmed(open_scan(scan, format, effective.read), effective.ingest.trim)
-    facts = inspect_scan(source, effective.ingest, ConsoleReporter(quiet).progress("looking"))
+    facts = inspect_scan(source, effective.ingest, ConsoleReporter(quiet).progress)
     if as_json:
         echo_json(asdict(facts))
     else:

@@ -1,8 +1,8 @@
 """Compiled loops over the rows of `E`: each is one pass over all hypotheses."""
 
 import numpy as np
-from numba import njit
 
+from floorplan.compiled import njit
 from floorplan.model.checks import Array
 
 

@@ -1,8 +1,8 @@
 """Numba kernels that count, for one plane, the rays that hit it, passed through it or ended before it."""
 
 import numpy as np
-from numba import njit
 
+from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 
 MIN_INCIDENCE = 0.15  # sine of 9 degrees: below it a ray's crossing point slides by more than a cell for 1 cm of noise
@@ -12,7 +12,7 @@ BLOCKER_DEPTH_M = 0.8  # what stands this near before a surface hides it: the de
 HIT, PASSED, BLOCKED, NOTHING = 1, 2, 3, 0
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
+@compiled
 def _kind(before: float, beyond: float, mine: bool, loose: bool, tolerance: float) -> int:
     """What a ray did to a plane: `before`, `beyond` are the distances of its start and end from it, positive on the room side."""
     if mine or (loose and before > 0 and abs(beyond) <= tolerance):
@@ -23,7 +23,7 @@ def _kind(before: float, beyond: float, mine: bool, loose: bool, tolerance: floa
     return BLOCKED if tolerance < beyond <= BLOCKER_DEPTH_M and before > beyond else NOTHING
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
+@compiled
 def count_rays(
     sensor: Array,
     point: Array,
@@ -76,7 +76,7 @@ def count_rays(
                 seen[a, f] = True
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
+@compiled
 def frame_boxes(sensor: Array, point: Array, start: Array) -> Array:
     """What each frame's rays span (F, 2, 2): lowest and highest x and y of the sensor and its points."""
     box = np.empty((len(sensor), 2, 2))
@@ -89,7 +89,7 @@ def frame_boxes(sensor: Array, point: Array, start: Array) -> Array:
     return box
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator, unused-ignore]
+@compiled
 def mark_free(sensor: Array, point: Array, point_frame: Array, margin: Array, corner: Array, cell: float, crossed: Array) -> None:
     """Count in `crossed (X, Y)` the rays that went through each grid cell (Amanatides and Woo), stopping `margin` before their ends."""
     for i in range(point.shape[0]):

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from floorplan.compass.prior import CompassPrior
-from floorplan.config import CompassConfig, SegmentsConfig
+from floorplan.config import SegmentsConfig
 from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, IngestedScan, Problem, Sensor, SensorKind
@@ -22,7 +22,7 @@ def grid_stride(sensor: Sensor, config: SegmentsConfig) -> int:
 
 
 def segment_chunk(
-    scan: IngestedScan, prior: CompassPrior, frames: Iterable[Frame | BadFrame], compass: CompassConfig, config: SegmentsConfig
+    scan: IngestedScan, prior: CompassPrior, frames: Iterable[Frame | BadFrame], config: SegmentsConfig
 ) -> SegmentedChunk:
     """Layout segments of some keyframes, read with `grid_stride`. Safe to call from several threads at once."""
     done: list[SegmentedFrame] = []

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
-from scipy.ndimage import binary_erosion, maximum_filter
 
 from floorplan.model.checks import Array
 from floorplan.several.survey import Laying, Survey, laid, quarter_turn
@@ -49,8 +47,11 @@ def best_fits(base: Survey, other: Survey, near: Near | None, count: int) -> lis
 
 
 def _peaks(base: Survey, turned: Survey, quarters: int, near: Near | None, count: int) -> list[Fit]:
+    from scipy.fft import next_fast_len
+    from scipy.ndimage import maximum_filter
+
     fixed, moving = _Rasters.of(base), _Rasters.of(turned)
-    size = [fft.next_fast_len(a + b, real=True) for a, b in zip(fixed.shape, moving.shape, strict=True)]
+    size = [next_fast_len(a + b, real=True) for a, b in zip(fixed.shape, moving.shape, strict=True)]
     agreeing = CELL_M * np.sum([_correlation(a, b, size) for a, b in zip(fixed.wide, moving.thin, strict=True)], axis=0)
     contradicting = CELL_M * (_correlation(fixed.free, moving.wall, size) + _correlation(fixed.wall, moving.free, size))
     score = agreeing - contradicting
@@ -68,7 +69,9 @@ def _peaks(base: Survey, turned: Survey, quarters: int, near: Near | None, count
 
 def _correlation(fixed: Array, moving: Array, size: list[int]) -> Array:
     """Sum over cells of `fixed[c + s] * moving[c]` for every shift s, wrapped."""
-    return np.asarray(fft.irfft2(fft.rfft2(fixed, size) * np.conj(fft.rfft2(moving, size)), size))
+    from scipy.fft import irfft2, rfft2
+
+    return np.asarray(irfft2(rfft2(fixed, size) * np.conj(rfft2(moving, size)), size))
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,8 @@ class _Rasters:
 
     @classmethod
     def of(cls, survey: Survey) -> "_Rasters":
+        from scipy.ndimage import binary_erosion
+
         along = np.where(survey.axis == 0, 1, 0)
         ends = np.concatenate([_face_ends(survey, along, k) for k in (0, 1)])
         points = np.concatenate((ends, survey.free_xy_m))

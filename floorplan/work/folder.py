@@ -68,6 +68,7 @@ class WorkFolder:
         self.keys[stage.folder] = recipe.key
         reason = self._why_made(stage, recipe)
         if not reason:
+            shutil.rmtree(self.path / partial_name(stage), ignore_errors=True)  # of a build that ended just before it could
             return load_value(self.path / stage.folder, kind)
         self.reporter.detail(f"{stage.folder}: {reason}")
         begin = time.perf_counter()

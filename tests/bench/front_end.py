@@ -123,7 +123,7 @@ def run_stage(scan: IngestedScan, source: Source, config: Config) -> StageRun:
     parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))
     chunks, first = [], 0.0
     for rows in parts:
-        chunks.append(segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.compass, config.segments))
+        chunks.append(segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.segments))
         first = first or time.monotonic() - wall
     return StageRun(join(scan, prior, chunks), time.process_time() - start, first)
 
