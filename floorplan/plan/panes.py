@@ -9,19 +9,19 @@ from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.gaps import Gap
-from floorplan.plan.glazing import GlazedLine
+from floorplan.plan.glazing import STEP_M, GlazedLine
 from floorplan.plan.plan_frame import PlanWorld
-from floorplan.plan.surface_evidence import MAX_LINE_GAP_M, SAME_SURFACE_M
+from floorplan.plan.surface_evidence import MAX_LINE_GAP_M
 
 BIN_M = 0.10  # grain along the gap
 LINE_BIN_M = 0.02  # grain across it
 LINE_HALF_WIDTH_M = 0.03  # returns of one pane scatter by the sensor's noise only
 JAMB_M = 0.10  # beside the ends of the wall its own jambs and the trails of their edges return rays
-COVERED_SHARE = 0.7  # of the bins along the gap must return something from the pane and let something through
-ON_LINE_SHARE = 0.75  # of what is returned from within the wall's depth: flying points of edges lie anywhere in it
+COVERED_SHARE = 0.6  # of the bins along the gap must return something from the pane and let something through
+ON_LINE_SHARE = 0.5  # of what a bin returns from within the wall's depth: flying points of edges lie anywhere in it
 THROUGH_SHARE = 0.1  # of a bin's returns must have gone on at least: glass is not met head-on from everywhere
 MIN_RETURNS = 20  # of a pane altogether
-MIN_RAYS = 3  # that went through the median bin
+MIN_RAYS = 2  # that went through the median bin
 
 
 @dataclass(frozen=True)
@@ -57,19 +57,25 @@ def paned_gaps(
 
 
 def _stretches(faces: tuple[FaceRun, ...], config: PlanConfig) -> Iterator[_Stretch]:
-    """Gaps wider than a door leaf between neighbouring runs of one surface."""
+    """Gaps wider than a door (glazed or not, that is what a narrower one is) from an end of a wall to the next wall in line, give or take a wall's thickness, or across it."""
     for face in faces:
-        ahead = [
-            other.start_m
-            for other in faces
-            if other.axis == face.axis
-            and other.facing == face.facing
-            and abs(other.offset_m - face.offset_m) <= SAME_SURFACE_M
-            and other.start_m > face.end_m
-        ]
-        width = min(ahead, default=np.inf) - face.end_m
-        if config.min_door_width_m <= width <= MAX_LINE_GAP_M:
-            yield _Stretch(face.axis, face.facing, face.offset_m, face.end_m, face.end_m + width)
+        for direction in (-1, +1):
+            end = face.end_m if direction > 0 else face.start_m
+            width = min((distance for other in faces if (distance := _ahead_m(face, other, end, direction)) > 0), default=np.inf)
+            if config.max_door_width_m < width <= MAX_LINE_GAP_M and not face.inner[direction > 0]:
+                low, high = sorted((end, end + direction * width))
+                yield _Stretch(face.axis, face.facing, face.offset_m, low, high)
+
+
+def _ahead_m(face: FaceRun, other: FaceRun, end_m: float, direction: int) -> float:
+    """How far ahead of a face's end another one begins that goes on beside its line or stands across it; 0 where it does neither."""
+    if other.axis == face.axis:
+        beside = other.facing == face.facing and abs(other.offset_m - face.offset_m) <= STEP_M
+        at = other.start_m if direction > 0 else other.end_m
+    else:
+        beside = other.facing == -direction and other.start_m - STEP_M <= face.offset_m <= other.end_m + STEP_M
+        at = other.offset_m
+    return max((at - end_m) * direction, 0.0) if beside else 0.0
 
 
 def _overlaps(stretch: _Stretch, axis: int, offset_m: float, start_m: float, end_m: float, reach_m: float) -> bool:
@@ -92,16 +98,16 @@ def _pane(rays: _Rays, stretch: _Stretch, config: PlanConfig) -> GlazedLine | No
     point = rays.point_m
     along, depth = point[:, 1 - stretch.axis], (stretch.offset_m - point[:, stretch.axis]) * stretch.facing
     inside = (along > low) & (along < high) & (depth > -LINE_HALF_WIDTH_M) & (depth < config.max_thickness_m)
-    if inside.sum() < MIN_RETURNS:
+    if not inside.any():
         return None
     line = _densest(depth[inside])
     on_line = inside & (np.abs(depth - line) <= LINE_HALF_WIDTH_M)
-    if on_line.sum() < ON_LINE_SHARE * inside.sum():
+    if on_line.sum() < MIN_RETURNS:
         return None
-    returned = np.histogram(along[on_line], bins=edges)[0]
+    anywhere, returned = (np.histogram(along[rows], bins=edges)[0] for rows in (inside, on_line))
     offset = stretch.offset_m - stretch.facing * line
     through = _through(rays, stretch.axis, offset, edges)
-    glassy = (returned > 0) & (through >= np.maximum(THROUGH_SHARE * returned, 1))
+    glassy = (returned > 0) & (returned >= ON_LINE_SHARE * anywhere) & (through >= np.maximum(THROUGH_SHARE * returned, 1))
     if glassy.mean() < COVERED_SHARE or np.median(through) < MIN_RAYS:
         return None
     return GlazedLine(stretch.axis, float(offset), stretch.start_m, stretch.end_m, np.zeros(0))

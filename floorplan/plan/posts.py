@@ -6,7 +6,11 @@ from floorplan.plan.surface_evidence import MAX_LINE_GAP_M, SAME_SURFACE_M
 
 def standing_posts(slender: tuple[FaceRun, ...], walls: tuple[FaceRun, ...]) -> tuple[FaceRun, ...]:
     """Those of the slender pieces that stand in a gap of a wall: runs of the same surface on both sides of it."""
-    return tuple(post for post in slender if _continued(post, walls, -1) and _continued(post, walls, +1))
+    return tuple(post for post in slender if not _known(post, walls) and _continued(post, walls, -1) and _continued(post, walls, +1))
+
+
+def _known(post: FaceRun, walls: tuple[FaceRun, ...]) -> bool:
+    return any(wall.run.plane == post.run.plane and wall.overlap_m(post) > 0 for wall in walls)
 
 
 def _continued(post: FaceRun, walls: tuple[FaceRun, ...], direction: int) -> bool:
