@@ -57,7 +57,7 @@ def paned_gaps(
 
 
 def _stretches(faces: tuple[FaceRun, ...], config: PlanConfig) -> Iterator[_Stretch]:
-    """Gaps wider than a door (glazed or not, that is what a narrower one is) from an end of a wall to the next wall in line, give or take a wall's thickness, or across it."""
+    """Gaps wider than a door, glazed or not, from an end of a wall to the next one in line (give or take a thickness) or across it."""
     for face in faces:
         for direction in (-1, +1):
             end = face.end_m if direction > 0 else face.start_m
