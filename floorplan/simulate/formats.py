@@ -63,8 +63,8 @@ def _camera(scene: Scene, caster: RayCaster, hard: bool, image_scale: float) -> 
     return DepthCamera(sensor, pinhole_of(sensor, image_scale), caster, scene.seed, biased=hard)
 
 
-def _laser(scene: Scene, caster: RayCaster, _hard: bool, _image_scale: float) -> LaserScanner:
-    return LaserScanner(caster, scene.seed)
+def _laser(scene: Scene, caster: RayCaster, hard: bool, _image_scale: float) -> LaserScanner:
+    return LaserScanner(caster, scene.seed, slips=hard)
 
 
 def _lidar(scene: Scene, caster: RayCaster, _hard: bool, image_scale: float) -> SpinningLidar:

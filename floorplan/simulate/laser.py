@@ -30,10 +30,10 @@ def rolled(walk: Walk) -> Walk:
 
 
 class LaserScanner:
-    """Takes sweeps; `rays (BEAMS, 3)` are unit directions in sensor axes."""
+    """Takes sweeps; `rays (BEAMS, 3)` are unit directions in sensor axes. `slips`: the wheels below it do."""
 
-    def __init__(self, caster: RayCaster, seed: int) -> None:
-        self.caster, self.seed = caster, seed
+    def __init__(self, caster: RayCaster, seed: int, slips: bool = False) -> None:
+        self.caster, self.seed, self.slips = caster, seed, slips
         angle = angles_rad()
         self.rays = np.column_stack((np.cos(angle), np.sin(angle), np.zeros(BEAMS))).astype(np.float32)
 

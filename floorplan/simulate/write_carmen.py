@@ -9,6 +9,7 @@ from floorplan.simulate.odometry import Odometry
 from floorplan.simulate.sensor import Shot
 from floorplan.simulate.stamps import seconds_text
 from floorplan.simulate.walk import Walk
+from floorplan.simulate.wheels import slipping
 
 LOG_NAME = "scan.clf"
 
@@ -17,8 +18,7 @@ class CarmenWriter:
     """Collects the sweeps' texts; the log is written at the end."""
 
     def __init__(self, folder: Path, instrument: LaserScanner, seed: int) -> None:
-        del instrument, seed  # the format has fixed beams and nothing random
-        self.folder = folder
+        self.folder, self._slips, self._seed = folder, instrument.slips, seed
         self._ranges: list[str] = []
         folder.mkdir(parents=True, exist_ok=True)
 
@@ -28,7 +28,8 @@ class CarmenWriter:
         self._ranges.append(" ".join(f"{value:.2f}" for value in ranges))
 
     def finish(self, walk: Walk, odometry: Odometry) -> None:
-        """The log."""
+        """The log, with the slips of the wheels where they slip."""
+        odometry = slipping(odometry, self._seed) if self._slips else odometry
         yaw = np.arctan2(odometry.odom_from_camera[:, 1, 0], odometry.odom_from_camera[:, 0, 0])
         lines = ["# FLASER num_readings [range_readings] x y theta odom_x odom_y odom_theta"]
         for index, ranges in enumerate(self._ranges):
