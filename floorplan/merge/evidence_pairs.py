@@ -8,13 +8,16 @@ from floorplan.merge.hypotheses import Pairs
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 
+UP = 2  # the axis of floors and ceilings
 GATE_SIGMAS = 6.0  # pairs further apart than this are no question even after drift is corrected
 APART_SIGMAS = 5.0  # of the mean difference of two planes in the frames that saw both: one false bar keeps two whole components apart
 LIKENESS_NEAR, LIKENESS_FAR = 2.0, -1.5  # log odds beyond chance: surfaces that continue each other; at opposite ends of a building
+LIKENESS_FLOORS_FAR = 1.0  # two floors anywhere: a storey has one level more often than not
 LIKENESS_OVERLAP = 2.0  # more where one covers the other: a surface hides what is a few centimetres behind it
 GAP_DECAY_M = 3.0  # a doorway or a short unseen stretch leaves a wall likely to go on; a room between does not
 SHORTEST_M = 0.1  # no wall piece is shorter
 BUILDING_MARGIN_M = 1.0  # a group of one offset spans about a corridor's half width
+STOREY_MARGIN_M = 2.5  # and of one height a storey
 GAP_SLACK_SIGMAS = 2.0  # extents drift as much as offsets do
 
 
@@ -86,7 +89,8 @@ def log_prior(planes: Planes, pairs: Pairs, variance_m2: Array, plane: Array | N
     `plane (T,)`: what an earlier round made of the tracks, to count distinct planes by.
     """
     gap = np.maximum(gaps_m(planes, pairs) - GAP_SLACK_SIGMAS * np.sqrt(variance_m2), 0.0)
-    likeness = LIKENESS_FAR + (LIKENESS_NEAR - LIKENESS_FAR) * np.exp(-gap / GAP_DECAY_M)
+    far = np.where((planes.axis == UP) & (planes.facing > 0), LIKENESS_FLOORS_FAR, LIKENESS_FAR)[pairs.first]
+    likeness = far + (LIKENESS_NEAR - far) * np.exp(-gap / GAP_DECAY_M)
     likeness += LIKENESS_OVERLAP * overlap_share(planes, pairs)
     return np.asarray(likeness - np.log(_planes_per_metre(planes, plane))[pairs.first])
 
@@ -100,7 +104,7 @@ def _planes_per_metre(planes: Planes, plane: Array | None) -> Array:
         mine = mine[np.argsort(planes.offset_m[mine])]
         offset, sigma = planes.offset_m[mine], np.sqrt(np.diag(planes.covariance_m2)[mine])
         distinct = 1 + int((np.diff(offset) > np.minimum(sigma[1:], sigma[:-1])).sum()) if plane is None else len(np.unique(plane[mine]))
-        density[mine] = distinct / (np.ptp(offset) + BUILDING_MARGIN_M)
+        density[mine] = distinct / (np.ptp(offset) + (STOREY_MARGIN_M if planes.axis[mine[0]] == UP else BUILDING_MARGIN_M))
     return density
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from floorplan.compiled import njit
+from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 
 
-@njit(cache=True)
+@compiled
 def differences(first: Array, second: Array, z: Array) -> Array:
     """`E z` (H,)."""
     gap = np.empty(len(first))
@@ -15,7 +15,7 @@ def differences(first: Array, second: Array, z: Array) -> Array:
     return gap
 
 
-@njit(cache=True)
+@compiled
 def pull(first: Array, second: Array, dual: Array, size: int) -> Array:
     """`E^T y` (size,)."""
     total = np.zeros(size)
@@ -25,7 +25,7 @@ def pull(first: Array, second: Array, dual: Array, size: int) -> Array:
     return total
 
 
-@njit(cache=True)
+@compiled
 def add_laplacian(first: Array, second: Array, weight: Array, start: int, matrix: Array) -> None:
     """`matrix += E^T W E` (lower triangle), for variables from `start` and pairs with `first < second`."""
     for h in range(len(first)):
@@ -35,7 +35,7 @@ def add_laplacian(first: Array, second: Array, weight: Array, start: int, matrix
         matrix[b, a] -= weight[h]
 
 
-@njit(cache=True)
+@compiled
 def to_zero(value: Array, step: Array, most: float) -> float:
     """The largest t up to `most` with `value + t step >= 0`."""
     length = most
