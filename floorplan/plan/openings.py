@@ -35,7 +35,7 @@ def find_openings(
     openings: list[Opening] = []
     through = [gap for gap in gaps if _may_open(gap, config) and not _is_recess(gap, faces, config)]
     for group in _groups(through, faces, config):
-        opening = _opening(len(openings) + 1, group, faces, path, bodies, config)
+        opening = _opening(len(openings) + 1, group, faces, path, bodies)
         if opening is not None:
             openings.append(opening)
     return tuple(openings)
@@ -77,9 +77,7 @@ def _one_opening(a: Gap, b: Gap, faces: tuple[FaceRun, ...], config: PlanConfig)
     return near and shared > MIN_SHARED * min(a.width_m, b.width_m)
 
 
-def _opening(
-    number: int, group: GapGroup, faces: tuple[FaceRun, ...], path: LineString, bodies: frozenset[int], config: PlanConfig
-) -> Opening | None:
+def _opening(number: int, group: GapGroup, faces: tuple[FaceRun, ...], path: LineString, bodies: frozenset[int]) -> Opening | None:
     gaps = group.gaps
     offsets = [faces[gap.face].offset_m for gap in gaps]
     start, end = float(np.mean([gap.start_m for gap in gaps])), float(np.mean([gap.end_m for gap in gaps]))
