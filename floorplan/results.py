@@ -3,7 +3,6 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -133,10 +132,9 @@ def _returns_to_start(results: Results, scan_path: Path, config: Config) -> bool
 
 def _of_each_scan(scan: IngestedScan, path: Trajectory) -> list[Trajectory]:
     """The trajectory of each of several scans; none of a single one."""
-    rows = [*(part.first_row for part in scan.parts), len(path.stamp_ns)]
-    return [
-        Trajectory(path.stamp_ns[low:high], path.position_m[low:high], path.world_from_sensor[low:high]) for low, high in pairwise(rows)
-    ]
+    if not scan.parts:
+        return []
+    return [Trajectory(path.stamp_ns[rows], path.position_m[rows], path.world_from_sensor[rows]) for rows in scan.stretches]
 
 
 def _files_of(paths: Trajectories) -> dict[str, Trajectory]:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 
 import numpy as np
 
@@ -212,6 +213,12 @@ class IngestedScan:
     def linked(self) -> tuple[ScanPart, ...]:
         """The parts that a link ties to the one before: all but the first."""
         return self.parts[1:]
+
+    @property
+    def stretches(self) -> tuple[slice, ...]:
+        """The rows of the recording that each scan holds, one after the other; all of them for a single scan."""
+        edges = [0, *(part.first_row for part in self.linked), len(self.recording)]
+        return tuple(slice(low, high) for low, high in pairwise(edges))
 
     def __post_init__(self) -> None:
         freeze(self, {"keyframe": (np.int64, ("F",)), "map_sigma_m": (np.float64, ("N",))})

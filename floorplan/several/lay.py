@@ -14,7 +14,7 @@ MIN_AXIS_M = 1.0  # of agreeing wall each way: less does not say where a scan li
 MIN_WALL_M = 6.0  # of agreeing wall in all: two sides of a small room; less is chance
 MIN_WALLS = 5  # that agree, both ways together: the shift makes two agree by itself, and one room of a building is like another ...
 MIN_WALLS_EXPECTED = 3  # ... unless the place was told
-MAX_CONTRADICTING_SHARE = 0.5  # of the agreeing wall: doors and furniture move, walls do not
+MAX_CONTRADICTING_SHARE = 0.7  # of the agreeing wall: doors and furniture move, walls do not (0.42 in the halves of a real laser log)
 MAX_RIVAL_SHARE = 0.75  # of the best score: a place that is nearly as good is a second answer
 CANDIDATES = 8  # of the coarse search, made exact
 

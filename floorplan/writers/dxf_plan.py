@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from floorplan.model.plan import OpeningKind, Point
 from floorplan.writers.area_ring import slit_ring
 from floorplan.writers.composition import Composition
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.dxfgfx import DXFGraphic
 
+LEAP_M = 2.0  # keyframes are never so far apart: another scan begins, or tracking was lost
 EVIDENCE_POINTS = 2000  # POINT entities at most: enough to see what a wall rests on, cheap to open
 GREY = (212, 212, 212)  # wall fill
 
@@ -152,9 +155,12 @@ def _draw_stamp(space: ModelSpace, stamp: PlacedStamp) -> None:
 
 def _draw_evidence(space: ModelSpace) -> None:
     plan = space.composition.plan
-    path = [(float(x), float(y)) for x, y in plan.trajectory.position_m[:, :2]]
-    if len(path) > 1:
-        space.space.add_lwpolyline(space.points(path), dxfattribs=space.attributes(Layer.PATH))
+    walked = plan.trajectory.position_m[:, :2]
+    leaps = np.linalg.norm(np.diff(walked, axis=0), axis=1) > LEAP_M
+    for piece in np.split(walked, np.flatnonzero(leaps | (np.diff(plan.trajectory.stamp_ns) < 0)) + 1):
+        path = [(float(x), float(y)) for x, y in piece]
+        if len(path) > 1:
+            space.space.add_lwpolyline(space.points(path), dxfattribs=space.attributes(Layer.PATH))
     every = max(1, math.ceil(len(plan.evidence_xy_m) / EVIDENCE_POINTS))
     for point in space.points((float(x), float(y)) for x, y in plan.evidence_xy_m[::every]):
         space.space.add_point(point, dxfattribs=space.attributes(Layer.POINTS))

@@ -83,6 +83,14 @@ def test_distances_from_walls_of_one_scan_to_walls_of_the_other_are_right_to_a_c
     assert 1e-6 < np.max(np.abs(across)) < 0.02
 
 
+def test_the_summary_counts_what_was_walked_and_not_the_leap_between_the_scans(joined: Joined) -> None:
+    table = json.loads((joined.work / "summary.json").read_text())
+    walked = sum(truth(scan)["path_length_m"] for scan in joined.scans)
+    seconds = sum(np.ptp(truth(scan)["trajectory"]["stamp_ns"]) for scan in joined.scans) / 1e9
+    assert table["path_length_m"] == pytest.approx(walked, rel=0.05)
+    assert table["duration_s"] == pytest.approx(seconds, abs=0.01)
+
+
 def test_the_joint_plan_holds_the_rooms_of_both_scans(joined: Joined) -> None:
     single = [json.loads((joined.work / f"scan-{k}" / "plan.json").read_text()) for k in (1, 2)]
     areas = [sum(room["area_m2"] for room in plan["rooms"]) for plan in single]
