@@ -34,6 +34,12 @@ def test_every_version_is_audit_clean_and_reads_back(plan: Plan, tmp_path: Path,
     assert document.acad_release == version
     assert audit.errors == []
     assert audit.fixes == []
+    points = [point for line in document.modelspace().query('*[layer=="A-WALL"]') for point in line.get_points("xy")]
+    wanted = [point for wall in plan.walls for line in wall.seen for point in (line[:-1] if line[0] == line[-1] else line)]
+    wanted += [point for line in plan.free_lines for point in (line.start, line.end)]
+    assert sorted(points) == [pytest.approx(point, abs=1e-4) for point in sorted(wanted)]
+    drawn = document.modelspace().query("DIMENSION")
+    assert len(drawn) == sum(dimension.axis < 2 for dimension in plan.dimensions)
 
 
 def test_the_same_plan_gives_the_same_bytes(plan: Plan, tmp_path: Path) -> None:
