@@ -1,11 +1,13 @@
 """SVG, PDF and PNG of the sheet."""
 
+import io
 import re
 import struct
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from PIL import Image
 
 from floorplan import writers
 from floorplan.config import DrawingConfig, ProjectConfig
@@ -47,6 +49,17 @@ def test_the_pdf_page_has_the_size_of_the_sheet(tmp_path: Path) -> None:
     box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+)", written(tmp_path / "plan.pdf", sheet="A3"))
     assert box is not None
     assert [float(side) / 72 * 25.4 for side in box.groups()] == pytest.approx([420, 297], abs=0.1)
+
+
+def test_the_png_is_small_and_its_paper_white(tmp_path: Path) -> None:
+    content = written(tmp_path / "plan.png", sheet="A3")
+    assert len(content) < 250_000
+    with Image.open(io.BytesIO(content)) as picture:
+        pixels = picture.convert("RGB")
+    assert pixels.getpixel((2, 2)) == (255, 255, 255)
+    colours = {colour for _, colour in pixels.getcolors(256) or ()}
+    assert min(max(colour) for colour in colours) < 40  # the frame's black
+    assert any(blue > red + 80 for red, _, blue in colours)  # glass, the rarest ink
 
 
 def test_the_png_has_the_proportions_of_the_sheet(tmp_path: Path) -> None:
