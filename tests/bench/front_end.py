@@ -26,6 +26,7 @@ from floorplan.model.segment import SegmentedScan
 from floorplan.readers import open_scan
 from floorplan.readers.base import Source
 from floorplan.segments import grid_stride, join, segment_chunk, segment_frame
+from floorplan.segments.labels import label_by_normals
 from floorplan.simulate.raycast import load_open3d
 from tests.bench.front_end_truth import FrontEndTruth, against_truth
 
@@ -92,12 +93,17 @@ def measure(scan: IngestedScan, source: Source, prior: CompassPrior, config: Seg
     def normals(frame: Frame) -> object:
         return surface_normals(frame.points, pixel_weights(frame.points, frame.confidence), sensor, prior.noise, config.window_m, 0.044)
 
+    def labels(frame: Frame) -> object:
+        found = surface_normals(frame.points, pixel_weights(frame.points, frame.confidence), sensor, prior.noise, config.window_m, 0.044)
+        return label_by_normals(frame.points, found, rotation, np.deg2rad(config.tolerance_deg))
+
     def in_numpy(frame: Frame) -> object:
         return numpy_labels(frame.points, rotation, step, config.window_m)
 
     return [
         ("read and back-project", reading),
         ("normals alone", milliseconds(normals, frames)),
+        ("normals and labels", milliseconds(labels, frames)),
         ("whole frame, normals", milliseconds(lambda f: segment_frame(f, index(f), prior, sensor, config), frames)),
         ("whole frame, published vote", milliseconds(lambda f: segment_frame(f, index(f), prior, sensor, vote), frames)),
         ("peer: NumPy vote, labels alone", milliseconds(in_numpy, frames[:_PATCH_FRAMES])),
@@ -159,9 +165,9 @@ def step_lines(folder: Path) -> list[str]:
     source = open_scan(folder)
     scan = ingest(source, config.ingest)
     survey(scan, source, config.compass)
-    start = time.thread_time()
+    start = time.process_time()  # the survey looks on a thread of its own
     prior = survey(scan, source, config.compass)
-    spent = (time.thread_time() - start) / len(scan.keyframe) * 1e3
+    spent = (time.process_time() - start) / len(scan.keyframe) * 1e3
     grid = next(iter(source.frames(scan.keyframe[:1], grid_stride(scan.recording.sensor, config.segments))))
     lines = [f"grid {grid.points.shape[1]} x {grid.points.shape[0]}", f"| survey, per keyframe | {spent:.2f} |"]  # type: ignore[union-attr]
     return lines + [f"| {name} | {ms:.2f} |" for name, ms in measure(scan, source, prior, config.segments)]
