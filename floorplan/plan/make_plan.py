@@ -7,7 +7,7 @@ import numpy as np
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution
-from floorplan.model.plan import Plan, PlanPlane, Rejection
+from floorplan.model.plan import Dimension, Plan, PlanPlane, Rejection, Room
 from floorplan.model.scan import IngestedScan, Trajectory
 from floorplan.model.segment import FreePatches, SegmentedScan, Tracks
 from floorplan.plan.behind_glass import walls_behind_glass
@@ -28,7 +28,7 @@ from floorplan.plan.outline import gross_outline
 from floorplan.plan.panes import paned_gaps
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
 from floorplan.plan.posts import standing_posts
-from floorplan.plan.room_facts import described, height_dimensions, room_height
+from floorplan.plan.room_facts import RoomHeight, described, height_dimensions, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.storeys import patches_of, stacked, storeys
 from floorplan.plan.surface_evidence import PlaneEvidence, surface_evidence
@@ -80,11 +80,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
         openings=openings,
         rooms=rooms,
         columns=as_columns(columns),
-        dimensions=numbered(
-            wall_to_wall(faces, rooms, covariance, ids)
-            + outside_chains(faces, rooms, covariance, ids)
-            + height_dimensions(rooms, levels, planes, covariance)
-        ),
+        dimensions=_dimensions(faces, rooms, levels, planes, covariance),
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=solution.plane_covariance_m2,
         evidence_xy_m=_drawn_points(world, config),
@@ -92,6 +88,15 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
         notes=plan_notes(rooms, lines, world.heights, world.floor_seen) + through_glass_notes(walls, drawing.faces, glimpsed),
         floor_seen=world.floor_seen,
     )
+
+
+def _dimensions(
+    faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], levels: tuple[RoomHeight | None, ...], planes: tuple[PlanPlane, ...], cov: Array
+) -> tuple[Dimension, ...]:
+    """Inside the rooms, outside in chains, and heights, numbered through."""
+    ids = tuple(plane.id for plane in planes)
+    inside, chains = wall_to_wall(faces, rooms, cov, ids), outside_chains(faces, rooms, cov, ids)
+    return numbered(inside + chains + height_dimensions(rooms, levels, planes, cov))
 
 
 @dataclass(frozen=True)
