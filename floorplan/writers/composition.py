@@ -102,6 +102,8 @@ def _add_dimensions(dimensions: tuple[PlacedDimension, ...], occupied: Occupancy
     for placed in dimensions:
         occupied.add(placed.text_box, TEXT_WEIGHT)
         occupied.add(placed.line_box, LINE_WEIGHT)
+        if placed.leader is not None:
+            occupied.add(Rectangle.around(placed.leader), LINE_WEIGHT)
 
 
 def drawn_extents(plan: Plan, extents: Rectangle, scale: Scale, units: UnitStyle) -> Rectangle:
