@@ -1,6 +1,8 @@
 """Imports go one way, heavy libraries have one home each, and nobody below the command line prints or exits."""
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -110,3 +112,10 @@ def test_only_the_command_line_prints_exits_and_reads_the_environment(path: Path
             assert node.func.id not in ("print", "input", "exit")
     assert "sys.exit" not in text
     assert "os.environ" not in text
+
+
+def test_a_build_that_finds_everything_finished_waits_for_no_heavy_library() -> None:
+    heavy = ("numba", "scipy", "cvxpy", "open3d", "ezdxf", "matplotlib", "shapely")
+    code = f"import sys, floorplan.build; sys.stdout.write(' '.join(name for name in {heavy} if name in sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
+    assert done.stdout == ""

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from floorplan.compiled import compiled
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.readers.cloud_grid import RING_FIELDS, Cloud
@@ -100,6 +99,8 @@ def _ascii(body: bytes, layout: _Layout, path: Path) -> Array:
 
 def _compressed(body: bytes, layout: _Layout, path: Path) -> Array:
     """LZF, the fields one after the other."""
+    from floorplan.readers.lzf import unpack_lzf
+
     size, whole = (int(value) for value in np.frombuffer(body[:8], dtype="<u4")) if len(body) >= 8 else (0, 0)
     if len(body) < 8 + size or whole != layout.count * layout.dtype.itemsize:
         raise InputError(f"{path}: the compressed points are cut off or of another size than the header says")
@@ -112,37 +113,6 @@ def _compressed(body: bytes, layout: _Layout, path: Path) -> Array:
         points[name] = out[at : at + layout.count * kind.itemsize].view(kind)
         at += layout.count * kind.itemsize
     return points
-
-
-@compiled
-def unpack_lzf(packed: Array, out: Array) -> int:
-    """Unpack LZF data (Lehmann's format) into `out`; gives back how many bytes came out, -1 where the data are damaged."""
-    at, end = 0, 0
-    while at < len(packed):
-        control = int(packed[at])
-        at += 1
-        if control < 32:
-            run = control + 1
-            if at + run > len(packed) or end + run > len(out):
-                return -1
-            for _ in range(run):
-                out[end] = packed[at]
-                at, end = at + 1, end + 1
-            continue
-        run = control >> 5
-        if run == 7 and at < len(packed):
-            run += int(packed[at])
-            at += 1
-        if at >= len(packed):
-            return -1
-        back = end - ((control & 31) << 8) - int(packed[at]) - 1
-        at += 1
-        if back < 0 or end + run + 2 > len(out):
-            return -1
-        for _ in range(run + 2):
-            out[end] = out[back]
-            end, back = end + 1, back + 1
-    return end
 
 
 def _header(raw: bytes, last: str, path: Path) -> tuple[list[list[str]], int]:

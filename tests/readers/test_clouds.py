@@ -11,7 +11,8 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, SensorKind
 from floorplan.readers import Source, open_scan, reader_for
 from floorplan.readers.base import BadFrame
-from floorplan.readers.cloud_files import read_cloud, unpack_lzf
+from floorplan.readers.cloud_files import read_cloud
+from floorplan.readers.lzf import unpack_lzf
 from floorplan.simulate import simulate
 from floorplan.simulate.write_clouds import pcd_bytes, ply_bytes
 
