@@ -19,7 +19,6 @@ from floorplan.model.plan import Dimension, Plan, PlanPlane, Point, Room
 
 ROOM_TO_MOVE_M = 0.25  # boxes are widened by this: a face that another setting moves by less is the same one
 SAME_SHARE = 0.3  # of two boxes' union that their intersection covers
-UNMATCHED = -1.0
 NAME = "ids.json"
 
 

@@ -21,7 +21,6 @@ from floorplan.readers.base import BadFrame, Source
 BIN_M = 0.02
 GLOBAL_STEP_RAD, WINDOW_STEP_RAD, WINDOW_RAD = math.radians(1.0), math.radians(0.05), math.radians(0.3)
 _GRID_PX = 88  # columns kept of a camera's image
-_FIRST_FRAMES = 3  # searched over the whole quarter turn
 _MAX_RANGE_M = 12.0  # farther points spread over many bins and tell little
 _LEAST_POINTS = 60
 _LEAST_CONTRAST = 0.05  # nats between the best yaw and the quarter turn's mean: less and nothing axis-aligned is seen

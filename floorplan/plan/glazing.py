@@ -28,13 +28,12 @@ STEP_M = 0.30  # a glazing line and the wall it goes on from stand no farther ap
 
 @dataclass(frozen=True)
 class GlazedLine:
-    """A glazing line normal to `axis` at `offset_m`, from `start_m` to `end_m`, with the places of its mullions (K,)."""
+    """A glazing line normal to `axis` at `offset_m`, from `start_m` to `end_m`."""
 
     axis: int
     offset_m: float
     start_m: float
     end_m: float
-    mullions_m: Array
 
     @property
     def ends(self) -> tuple[Point, Point]:
@@ -114,7 +113,7 @@ def _glazed_line(
         return None
     spacing = float(np.diff(regular).mean())
     ends = [_end_at_wall(faces, axis, offset, at, sign, spacing) for at, sign in ((regular[0], -1), (regular[-1], 1))]
-    return GlazedLine(axis, float(np.median(world.point_m[mine, axis])), ends[0], ends[1], regular)
+    return GlazedLine(axis, float(np.median(world.point_m[mine, axis])), ends[0], ends[1])
 
 
 def _regular(posts: Array) -> Array | None:

@@ -110,7 +110,7 @@ def _pane(rays: _Rays, stretch: _Stretch, config: PlanConfig) -> GlazedLine | No
     glassy = (returned > 0) & (returned >= ON_LINE_SHARE * anywhere) & (through >= np.maximum(THROUGH_SHARE * returned, 1))
     if glassy.mean() < COVERED_SHARE or np.median(through) < MIN_RAYS:
         return None
-    return GlazedLine(stretch.axis, float(offset), stretch.start_m, stretch.end_m, np.zeros(0))
+    return GlazedLine(stretch.axis, float(offset), stretch.start_m, stretch.end_m)
 
 
 def _densest(depth: Array) -> float:

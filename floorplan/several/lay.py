@@ -45,7 +45,7 @@ def lay_all(surveys: list[Survey], names: list[str], near_of: NearOf) -> list[La
         waiting = [k for k in range(len(surveys)) if k not in laid_down]
         found = {k: _candidates(base, surveys[k], near_of(k + 1, surveys[k])) for k in waiting}
         best = max(waiting, key=lambda k: found[k][0].score_m if found[k] else -np.inf)
-        laid_down[best] = _settled(base, surveys[best], names[best], found[best])
+        laid_down[best] = _settled(surveys[best], names[best], found[best])
         base = together([base, laid(surveys[best], laid_down[best].laying)])
     return [laid_down[k] for k in range(len(surveys))]
 
@@ -75,7 +75,7 @@ def _is_same(one: Refined, other: Refined) -> bool:
     return one.laying.quarters == other.laying.quarters and bool(near)
 
 
-def _settled(base: Survey, other: Survey, name: str, candidates: list[_Candidate]) -> Laid:
+def _settled(other: Survey, name: str, candidates: list[_Candidate]) -> Laid:
     if not candidates:
         raise InputError(f"{name}: no place where its walls lie on those of the scans before it; {REMEDY}")
     best = candidates[0]

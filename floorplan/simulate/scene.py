@@ -30,6 +30,7 @@ class Scene:
         """The lowest storey."""
         return self.storeys[0].building
 
+
 def draw_scene(
     preset_name: str,
     seed: int,

@@ -12,7 +12,7 @@ from floorplan.plan.plan_frame import PlanWorld
 from floorplan.plan.surface_evidence import FINE_CELLS, PlaneEvidence
 
 COLUMNS, ROWS, STEP_M, UP_M = 80, 30, 0.05, 0.10
-GLASS = GlazedLine(0, 5.0, 0.0, 4.0, np.zeros(0))
+GLASS = GlazedLine(0, 5.0, 0.0, 4.0)
 NO_FACES: tuple[FaceRun, ...] = ()
 
 
