@@ -8,7 +8,8 @@ from floorplan.drift_likelihood import most_likely, vertical_within_bounds, with
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
-from floorplan.structure import MAD_TO_SIGMA, growth
+from floorplan.model.normal import MAD_TO_SIGMA
+from floorplan.structure import growth
 from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, solve, systems
 from floorplan.windows import Window, windows
 

@@ -12,12 +12,12 @@ from scipy.optimize import nnls
 from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
+from floorplan.model.normal import MAD_TO_SIGMA
 
 LAGS = (1, 2, 4, 8, 16, 32)  # rows apart, in one track
 CLIP = 3.0  # a difference beyond this many sigma is an outlier and counts as just this many
 ROUNDS = 6  # reweighted fits; the change is below a per cent after four
 GRAM_FLOOR = 1e-12  # of columns of unit length: keeps the factor real where two of them are the same
-MAD_TO_SIGMA = 1.4826
 TINY_M2 = 1e-10  # (0.01 mm)^2: keeps fitted variances above zero
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from floorplan.laser.compare import NORMAL_95
 from floorplan.model.advice import Advice
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Certainty, Dimension, Plan, PlanPlane
 from floorplan.model.scan import NANOSECONDS_PER_SECOND
 from floorplan.model.segment import AXIS_Z

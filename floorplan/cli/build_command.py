@@ -11,6 +11,7 @@ from floorplan.cli import options as o
 from floorplan.cli.calibration_table import print_calibration
 from floorplan.cli.console import ConsoleReporter, echo, echo_table
 from floorplan.cli.site_table import print_site
+from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
     from floorplan.build import Job
@@ -131,7 +132,7 @@ def _print_numbers(job: "Job", results: "Results") -> None:
             ("dimensions", str(len(dimensions)), ""),
         ]
     )
-    echo_table((d.id, f"{d.distance_m:.3f} m", f"+-{1.96 * d.sigma_m:.3f}", d.room) for d in dimensions[:NAMED_DIMENSIONS])
+    echo_table((d.id, f"{d.distance_m:.3f} m", f"+-{NORMAL_95 * d.sigma_m:.3f}", d.room) for d in dimensions[:NAMED_DIMENSIONS])
     if len(dimensions) > NAMED_DIMENSIONS:
         echo(f"and {len(dimensions) - NAMED_DIMENSIONS} more dimensions: in {job.work / 'plan.json'}, and in dimensions.csv with --csv DIR")
     if results.solution.calibration is not None:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from floorplan.cli.console import echo, echo_table
+from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
     from floorplan.model.ties import Calibration
@@ -20,7 +21,7 @@ def print_calibration(calibration: "Calibration") -> None:
             f"{row.measured_m:.3f}",
             f"{row.before_m:.3f}",
             f"{row.after_m:.3f}",
-            f"{row.predicted_m:.3f} +-{1.96 * row.predicted_sigma_m:.3f}",
+            f"{row.predicted_m:.3f} +-{NORMAL_95 * row.predicted_sigma_m:.3f}",
             f"{1000 * (row.predicted_m - row.measured_m):+.0f} mm" + ("" if row.used else ", left out"),
         )
         for row in calibration.rows
@@ -32,6 +33,6 @@ def print_calibration(calibration: "Calibration") -> None:
         echo(f"left out one at a time, each is foretold by the others to {mean_mm:.1f} mm on average: so good is the plan elsewhere")
     if calibration.scale != 1:
         off = 100 * (1 / calibration.scale - 1)
-        echo(f"common scale {calibration.scale:.5f} +-{1.96 * calibration.scale_sigma:.5f}: all distances were {off:+.2f} % off")
+        echo(f"common scale {calibration.scale:.5f} +-{NORMAL_95 * calibration.scale_sigma:.5f}: all distances were {off:+.2f} % off")
     for warning in calibration.warnings:
         typer.echo(f"warning: {warning}", err=True)

@@ -10,6 +10,7 @@ import typer
 from floorplan.cli import options as o
 from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
 from floorplan.errors import InputError
+from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
     from floorplan.laser.compare import Check
@@ -64,7 +65,7 @@ def print_check(result: "Check") -> None:
         (
             row.id,
             f"{row.measured_m:.3f} m",
-            f"{row.plan_m:.3f} m +-{1.96 * row.sigma_m:.3f}",
+            f"{row.plan_m:.3f} m +-{NORMAL_95 * row.sigma_m:.3f}",
             f"{1000 * row.difference_m:+.0f} mm",
             f"{row.percent:+.2f}",
             "within" if row.within else "OUTSIDE",

@@ -13,7 +13,7 @@ from floorplan.compare.pairs import Pairing, Piece, PlanePair, level_pairs, pair
 from floorplan.compare.sight import Sight, sight_of
 from floorplan.compare.survey import Rays, Survey
 from floorplan.compare.turn import turned_plan
-from floorplan.laser.compare import NORMAL_95
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan, Point
 
 LEAST_INTERVAL_M = 1e-6  # of a wall that both surveys measured exactly

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.compare.pairs import PlanePair
-from floorplan.laser.compare import NORMAL_95
 from floorplan.model.checks import Array
+from floorplan.model.normal import MAD_TO_SIGMA, NORMAL_95
 from floorplan.model.plan import Plan
 
 STAYED_M = 0.05  # from the median: what the mean shift is taken over; a wall that was moved must not pull it
-MAD_TO_SIGMA = 1.4826
 STAYED_SIGMAS = 3.0  # ... or within this many spreads of all, where surveys are worse than that
 
 

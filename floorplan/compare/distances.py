@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from floorplan.compare.pairs import PlanePair
-from floorplan.laser.compare import NORMAL_95
 from floorplan.laser.spans import HEIGHT_AXIS, distance_sigma_m
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Dimension, Plan, Point
 
 

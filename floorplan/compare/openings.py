@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from floorplan.compare.faces import seen_faces
-from floorplan.laser.compare import NORMAL_95
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Opening, Plan, Point
 
 SAME_PLACE_M = 0.60  # between centres: half of a door

@@ -26,6 +26,7 @@ from floorplan.errors import InputError
 from floorplan.geometry import level_from_sensor, wrap_to
 from floorplan.grid.normals import NoiseScale, pixel_weights, surface_normals
 from floorplan.model.checks import Array
+from floorplan.model.normal import MAD_TO_SIGMA
 from floorplan.model.scan import Frame, IngestedScan, Sensor, SensorKind
 from floorplan.readers.base import Source
 
@@ -41,7 +42,6 @@ _NOISE_QUANTILE = 0.3  # edges only ever raise a window's residual
 _NOISE_SCALE_RANGE = (1.0, 3.0)
 _NORMAL_SCALE_RANGE = (1.0, 4.0)
 _NEAR_AXIS_RAD = math.radians(12.0)  # normals this close to the compass belong to its walls
-_SIGMA_OF_MEDIAN = 1.4826
 _REFINE_HALF_WIDTH_RAD = math.radians(4.0)
 _MAP_HALF_WIDTH_RAD = math.radians(2.0)  # of an odometry that is a map: one direction all over, whatever walls a wing has
 
@@ -178,4 +178,4 @@ def _spread(directions: Directions, yaw_rad: float) -> float:
     """How widely the normals of walls spread, in the standard deviations that independent pixels would give."""
     off = np.abs(wrap_to(directions.azimuth_rad - yaw_rad, QUARTER_RAD))
     near = off < _NEAR_AXIS_RAD
-    return float(_SIGMA_OF_MEDIAN * np.median(off[near] * np.sqrt(directions.weight[near])))
+    return float(MAD_TO_SIGMA * np.median(off[near] * np.sqrt(directions.weight[near])))

@@ -13,6 +13,7 @@ from scipy.linalg import cho_factor, cho_solve
 from floorplan.laser.spans import Span
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
+from floorplan.model.normal import MAD_TO_SIGMA, NORMAL_95
 from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration, DistanceTies, TiedDistance
 from floorplan.range_accuracy import with_range_errors
@@ -23,7 +24,6 @@ SCALE_SIGMAS = 3.0  # the common scale is believed beyond this ...
 EACH_LEFT_OUT_SIGMAS = 2.0  # ... and beyond this whichever distance is left out: no single one carries it
 CONTRADICTED_SIGMAS = 5.0  # off everything else by more, in the spread that the others show: mistyped, or not that wall
 CONTRADICTED_M = 0.05  # and by more than walls are crooked
-MAD_TO_SIGMA = 1.4826
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ def _without(question: _Question, used: Array, row: int) -> _LeftOut:
 def _warnings(rows: tuple[TiedDistance, ...]) -> list[str]:
     return [
         f"line {row.line}: {row.name} is {row.measured_m:.3f} m, everything else says {row.predicted_m:.3f} m "
-        f"(+-{1.96 * row.predicted_sigma_m:.3f}); it was left out: mistyped, another wall, or a wrong merge there; measure it again"
+        f"(+-{NORMAL_95 * row.predicted_sigma_m:.3f}); it was left out: mistyped, another wall, or a wrong merge there; measure it again"
         for row in rows
         if not row.used
     ]

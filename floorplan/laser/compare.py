@@ -7,10 +7,10 @@ import numpy as np
 
 from floorplan.laser.spans import Span, find_span
 from floorplan.laser.table import BadRow, LaserTable
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan
 from floorplan.model.ties import Calibration
 
-NORMAL_95 = 1.96
 LEVELS_M = ((0.001, "LOA50"), (0.005, "LOA40"), (0.015, "LOA30"), (0.050, "LOA20"), (0.150, "LOA10"))  # USIBD, at 95 %
 NO_LEVEL = "none"
 SHARE = 0.95

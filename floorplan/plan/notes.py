@@ -1,9 +1,9 @@
 """What a reader of the drawing must be told of a plan, each thing once."""
 
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Face, FreeLine, Room, Wall
 
 ONE_BY_ONE = 3  # more lines off the axes than these share one note
-NORMAL_95 = 1.96  # two-sided 95 % of a normal distribution, in standard deviations
 
 
 def plan_notes(rooms: tuple[Room, ...], lines: tuple[FreeLine, ...], heights: bool, floor_seen: bool) -> tuple[str, ...]:

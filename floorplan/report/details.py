@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from floorplan.laser.compare import NORMAL_95, level_of
+from floorplan.laser.compare import level_of
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Dimension, Opening, Plan, Room
 from floorplan.results import Results
 

@@ -7,8 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from floorplan.laser.compare import NORMAL_95, level_of
+from floorplan.laser.compare import level_of
 from floorplan.merge_table import MergeRow, merge_rows
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan, Point
 from floorplan.results import Results
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.model.checks import Array
+from floorplan.model.normal import MAD_TO_SIGMA
 from floorplan.several.survey import Laying, Survey, laid
 
 CLOSE_M = 0.25  # faces further apart than a grid cell and the drift left in two solved scans are not one
@@ -12,7 +13,6 @@ AGREE_M = 0.08  # of one wall: what is left of two scans' drift; half the thinne
 MIN_OVERLAP_M = 0.3  # along the wall
 ROUNDS = 5
 SIGMA_FLOOR_M = 0.05  # two solved scans are not stiffer than this against each other
-MAD_TO_SIGMA = 1.4826
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ import csv
 import io
 from collections.abc import Iterable
 
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan, Point
-from floorplan.writers.unit_style import NORMAL_95
 
 DIMENSION_COLUMNS = ("id", "plan_m", "plus_minus_95_m", "from", "to", "direction", "kind", "room", "x1", "y1", "x2", "y2", "measured_m")
 ROOM_COLUMNS = (

@@ -6,10 +6,10 @@ from typing import Any
 from shapely import Polygon, box, union_all
 
 from floorplan.config import ProjectConfig
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Column, Opening, OpeningKind, Plan, Point, Room, Wall
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.ifc_model import ACCURACY_SET, Entity, IfcModel, Value
-from floorplan.writers.unit_style import NORMAL_95
 
 ASSUMED_HEIGHT_M = 2.5  # only where no height of the storey was measured at all; `HeightMeasured` says so
 CUT_BEYOND_M = 0.05  # an opening's body stands out of its wall, so that nothing of the wall stays in it

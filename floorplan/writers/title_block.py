@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 from floorplan.config import ProjectConfig
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan
 from floorplan.writers.composition import Composition
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.sheet_size import Box
-from floorplan.writers.unit_style import MILLIMETRE_M, NORMAL_95
+from floorplan.writers.unit_style import MILLIMETRE_M
 
 ROW_MM = 8.5
 CAPTION_MM = 1.2  # capital height of the small captions

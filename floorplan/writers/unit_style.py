@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from floorplan.errors import ConfigError
+from floorplan.model.normal import NORMAL_95
 
-NORMAL_95 = 1.96  # two-sided 95 % of a normal distribution, in standard deviations
 MILLIMETRE_M = 0.001  # finest step of metric texts
 METRES_PER_FOOT = 0.3048
 INCHES_PER_FOOT = 12
