@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from floorplan.cli.console import echo, echo_table
+from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
     from floorplan.model.site import Site
@@ -28,6 +29,6 @@ def print_site(site: "Site") -> None:
         echo_table([HEADER, *rows])
     if site.scale is not None and site.scale_sigma is not None:
         off = 100 * (site.scale - 1)
-        echo(f"lengths on the grid against the plan's: {off:+.3f} % +-{196 * site.scale_sigma:.3f} (the plan keeps its own)")
+        echo(f"lengths on the grid against the plan's: {off:+.3f} % +-{100 * NORMAL_95 * site.scale_sigma:.3f} (the plan keeps its own)")
     for warning in site.warnings:
         typer.echo(f"warning: {warning}", err=True)

@@ -9,6 +9,7 @@ from floorplan.config import SiteConfig
 from floorplan.errors import InputError
 from floorplan.laser.spans import unit_mix_up
 from floorplan.model.checks import Array
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan, Point
 from floorplan.model.site import ControlPoint, Site
 from floorplan.site.control import ControlRow, read_control
@@ -119,8 +120,9 @@ def _warnings(points: list[ControlPoint], scale: float | None, sigma: float | No
             miss = f"is missed by {point.miss_m:.3f} m, far more than the others: mistyped, or another corner?"
             found.append(f"control point {point.name} {miss}")
     if scale is not None and sigma is not None and abs(scale - 1) > SCALE_SIGMAS * sigma:
+        half = 100 * NORMAL_95 * sigma
         found.append(
-            f"lengths on the site grid are {100 * (scale - 1):+.3f} % (+-{196 * sigma:.3f}) of the plan's: the grid's own scale factor "
+            f"lengths on the site grid are {100 * (scale - 1):+.3f} % (+-{half:.3f}) of the plan's: the grid's own scale factor "
             "(a map projection's is within 0.05 %), or a scale error of the scan, which --laser finds; the plan keeps its lengths"
         )
     return tuple(found)
