@@ -52,7 +52,8 @@ def _touch(labels: Array, coordinate: Array, gate: Array, i: int, j: int, u: int
 
 
 @compiled
-def _components(labels: Array, coordinate: Array, gate: Array, least_pixels: int) -> tuple[Array, Array, Array, Array]:
+def _united(labels: Array, coordinate: Array, gate: Array) -> Array:
+    """Of each pixel (H * W,) another one of its component, nearer to the component's first, which is its own."""
     height, width = labels.shape
     parent = np.arange(height * width)
     for i in range(height):
@@ -65,6 +66,13 @@ def _components(labels: Array, coordinate: Array, gate: Array, least_pixels: int
             if i > 0 and _touch(labels, coordinate, gate, i, j, i - 1, j):
                 a, b = _root(parent, i * width + j), _root(parent, (i - 1) * width + j)
                 parent[max(a, b)] = min(a, b)
+    return parent
+
+
+@compiled
+def _components(labels: Array, coordinate: Array, gate: Array, least_pixels: int) -> tuple[Array, Array, Array, Array]:
+    height, width = labels.shape
+    parent = _united(labels, coordinate, gate)
     size = np.zeros(height * width, np.int32)
     flat = labels.ravel()
     for k in range(height * width):

@@ -61,6 +61,30 @@ def _score(picture: Array, level: int, cells: Array, x: int, y: int) -> float:
 
 
 @compiled
+def _turned_cells(query: Array, yaws: Array, centre: Array, origin: Array) -> Array:
+    """Cells (T, n, 2) that `query (n, 2)` falls on when it is turned by each of the `yaws (T,)` and moved to `centre`."""
+    cells = np.empty((len(yaws), len(query), 2), np.int64)
+    for t in range(len(yaws)):
+        c, s = math.cos(yaws[t]), math.sin(yaws[t])
+        for k in range(len(query)):
+            cells[t, k, 0] = math.floor((c * query[k, 0] - s * query[k, 1] + centre[0] - origin[0]) / CELL_M)
+            cells[t, k, 1] = math.floor((s * query[k, 0] + c * query[k, 1] + centre[1] - origin[1]) / CELL_M)
+    return cells
+
+
+@compiled
+def _bounds(picture: Array, cells: Array, starts: int, reach: int) -> Array:
+    """Highest possible scores (T * starts * starts,) of the widest windows, those of each turned query from -`reach` cells on."""
+    coarse = 2 ** (LEVELS - 1)
+    bound = np.empty(len(cells) * starts * starts)
+    for t in range(len(cells)):
+        for a in range(starts):
+            for b in range(starts):
+                bound[(t * starts + a) * starts + b] = _score(picture, LEVELS - 1, cells[t], a * coarse - reach, b * coarse - reach)
+    return bound
+
+
+@compiled
 def best_pose(picture: Array, origin: Array, query: Array, centre: Array, window: Array, least: float, other: Array) -> Array:
     """Pose and score (4,) x, y, yaw, score of `query (n, 2)` in the picture: the best within `window` of `centre`.
 
@@ -69,23 +93,13 @@ def best_pose(picture: Array, origin: Array, query: Array, centre: Array, window
     """
     result = np.array([centre[0], centre[1], centre[2], 0.0])
     best = least
-    yaws = math.ceil(window[1] / window[2])
+    steps = math.ceil(window[1] / window[2])
+    yaws = centre[2] + np.arange(-steps, steps + 1) * window[2]
+    cells = _turned_cells(query, yaws, centre, origin)
     coarse = 2 ** (LEVELS - 1)
     reach = math.ceil(window[0] / CELL_M)
     starts = 2 * reach // coarse + 1
-    count = (2 * yaws + 1) * starts * starts
-    bound = np.empty(count)
-    cells = np.empty((2 * yaws + 1, len(query), 2), np.int64)
-    for t in range(2 * yaws + 1):
-        yaw = centre[2] + (t - yaws) * window[2]
-        c, s = math.cos(yaw), math.sin(yaw)
-        for k in range(len(query)):
-            cells[t, k, 0] = math.floor((c * query[k, 0] - s * query[k, 1] + centre[0] - origin[0]) / CELL_M)
-            cells[t, k, 1] = math.floor((s * query[k, 0] + c * query[k, 1] + centre[1] - origin[1]) / CELL_M)
-        for a in range(starts):
-            for b in range(starts):
-                x, y = a * coarse - reach, b * coarse - reach
-                bound[(t * starts + a) * starts + b] = _score(picture, LEVELS - 1, cells[t], x, y)
+    bound = _bounds(picture, cells, starts, reach)
     stack = np.empty((4 * LEVELS + 4, 3), np.int64)
     value = np.empty(4 * LEVELS + 4)
     for start in np.argsort(-bound):
@@ -100,7 +114,7 @@ def best_pose(picture: Array, origin: Array, query: Array, centre: Array, window
             if value[top] <= best:
                 continue
             if level == 0:
-                px, py, yaw = centre[0] + x * CELL_M, centre[1] + y * CELL_M, centre[2] + (t - yaws) * window[2]
+                px, py, yaw = centre[0] + x * CELL_M, centre[1] + y * CELL_M, yaws[t]
                 near = math.hypot(px - other[0], py - other[1]) < other[3] and abs(yaw - other[2]) < other[4]
                 if not near and math.hypot(x, y) <= reach:
                     best = value[top]
