@@ -56,19 +56,15 @@ def draw_scene(
         walk_rng = np.random.default_rng([walk_seed, 5, *preset_name.encode()])
     style = draw_style(preset.sensor.fov_x_deg, walk_rng)
     rate = rate_hz or preset.rate_hz
-
-    def fitted_out(empty: Building, route: Route) -> Building:
-        hardened = add_hard_objects(empty, route, hard_rng) if hard else empty
-        furnished = furnish(hardened, route, furniture_rng)
-        return after_works(furnished, route) if works else furnished
-
     levels: list[Storey] = []
     whole: Walk | None = None
     for index in range(storeys):
         route = plan_route(shell, grid, preset.path_m, route_rng)
         if levels:
             route = _from_the_stair(route, levels[0].route)
-        building = fitted_out(add_glass_and_beams(shell, route, furniture_rng) if preset.glass else shell, route)
+        empty = add_glass_and_beams(shell, route, furniture_rng) if preset.glass else shell
+        furnished = furnish(add_hard_objects(empty, route, hard_rng) if hard else empty, route, furniture_rng)
+        building = after_works(furnished, route) if works else furnished
         floor, stage = index * storey_height_m(shell), walk(route, style, rate, walk_rng)
         whole = stage if whole is None else joined(whole, stage, floor, rate)
         levels.append(Storey(floor, building, route, slice(len(whole) - len(stage), len(whole))))

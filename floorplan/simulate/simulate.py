@@ -4,14 +4,13 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from floorplan.errors import UsageError
 from floorplan.simulate import hard as hard_facts
 from floorplan.simulate.coverage import Coverage
-from floorplan.simulate.formats import format_named
+from floorplan.simulate.formats import Format, Instrument, Writer, format_named
 from floorplan.simulate.odometry import TILT_WANDER_RAD, Odometry, drifting_odometry
 from floorplan.simulate.raycast import RayCaster
 from floorplan.simulate.scene import Scene, draw_scene
@@ -53,11 +52,7 @@ def simulate(
     `walk_part` is recorded alone, as a scan of its own, with its own odometry: two parts are two scans of one building.
     Raises `UsageError` for an unknown preset or format, or an `out` that is not empty.
     """
-    if out.exists() and any(out.iterdir()):
-        raise UsageError(f"{out} is not empty; choose a new folder")
-    chosen = format_named(format, sensor)
-    if storeys > 1 and format == "carmen":
-        raise UsageError("a robot on wheels climbs no stairs: --storeys needs another --format than carmen")
+    chosen = _checked(out, format, sensor, storeys)
     drawn = draw_scene(
         preset, seed, hard=hard, path_scale=path_scale, rate_hz=rate_hz, storeys=storeys, walk_seed=noise_seed, works=works
     )
@@ -68,19 +63,28 @@ def simulate(
     surfaces = tuple(surface for part in parts for surface in part)
     instrument = chosen.instrument(scene, RayCaster(surfaces), hard, image_scale)
     coverage = Coverage(surfaces, instrument.rays, chosen.coverage_stride)
-    writer = chosen.writer(out, instrument, noise)
-    _record(instrument, writer, coverage, scene, progress)
-    writer.finish(scene.walk, odometry)
+    _record(instrument, chosen.writer(out, instrument, noise), coverage, scene, odometry, progress)
     truth = truth_of(replace(scene, seed=seed), parts, coverage)
     (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
 
 
-def _record(instrument: Any, writer: Any, coverage: Coverage, scene: Scene, progress: Progress) -> None:
-    """Every frame of the walk: taken, written, and what it saw remembered."""
+def _checked(out: Path, format: str, sensor: str, storeys: int) -> Format:
+    """The format to write in; what cannot be simulated is refused before anything is drawn."""
+    if out.exists() and any(out.iterdir()):
+        raise UsageError(f"{out} is not empty; choose a new folder")
+    chosen = format_named(format, sensor)
+    if storeys > 1 and format == "carmen":
+        raise UsageError("a robot on wheels climbs no stairs: --storeys needs another --format than carmen")
+    return chosen
+
+
+def _record(instrument: Instrument, writer: Writer, coverage: Coverage, scene: Scene, odometry: Odometry, progress: Progress) -> None:
+    """Every frame of the walk: taken, written, and what it saw remembered; at the end what belongs to the whole."""
     for index, shot in enumerate(instrument.shots(scene.walk)):
         coverage.add(shot.surface, shot.true_m, scene.walk.position_m[index], scene.walk.world_from_camera[index])
         writer.frame(index, shot)
         progress(index + 1, len(scene.walk))
+    writer.finish(scene.walk, odometry)
 
 
 def odometry_of(scene: Scene, seeds: list[int], hard: bool, error: float | None) -> Odometry:
