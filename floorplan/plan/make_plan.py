@@ -30,7 +30,7 @@ from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, so
 from floorplan.plan.posts import standing_posts
 from floorplan.plan.room_facts import RoomHeight, described, height_dimensions, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
-from floorplan.plan.storeys import patches_of, stacked, storeys
+from floorplan.plan.storeys import floor_heights_m, frames_of_storeys, patches_of, stacked, storeys
 from floorplan.plan.surface_evidence import PlaneEvidence, surface_evidence
 from floorplan.plan.walls import draw_walls, without_columns
 
@@ -45,7 +45,9 @@ def make_plan(
     levels = storeys(world)
     if len(levels) == 1:
         return storey_plan(world, segmented.free_patches, solution, config)
-    return stacked(tuple(storey_plan(level, patches_of(segmented.free_patches, world, level), solution, config) for level in levels))
+    frames = frames_of_storeys(world, floor_heights_m(world))
+    patches = [patches_of(segmented.free_patches, world, rows) for rows in frames]
+    return stacked(tuple(storey_plan(level, seen, solution, config) for level, seen in zip(levels, patches, strict=True)))
 
 
 def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig) -> Plan:

@@ -64,15 +64,19 @@ def storeys(world: PlanWorld) -> tuple[PlanWorld, ...]:
     floors = floor_heights_m(world)
     if len(floors) < 2:
         return (world,)
-    edges = [-np.inf, *(floor + MIN_FLOOR_BELOW_SENSOR_M for floor in floors[1:]), np.inf]
     tops = [*(floor - BELOW_FLOOR_M for floor in floors[1:]), np.inf]
-    z = world.trajectory.position_m[:, 2]
     cut = []
-    for floor, (low, high), top in zip(floors, pairwise(edges), tops, strict=True):
-        frames = np.flatnonzero((z >= low) & (z < high))
+    for floor, frames, top in zip(floors, frames_of_storeys(world, floors), tops, strict=True):
         part = _part(world, frames, -np.inf if floor == floors[0] else floor - BELOW_FLOOR_M, top)
         cut.append(replace(moved(part, 0, np.array([0.0, 0.0, -floor])), floor_seen=True))
     return tuple(cut)
+
+
+def frames_of_storeys(world: PlanWorld, floors: tuple[float, ...]) -> tuple[Array, ...]:
+    """Rows of the frames on each of the floors, in their order."""
+    edges = [-np.inf, *(floor + MIN_FLOOR_BELOW_SENSOR_M for floor in floors[1:]), np.inf]
+    z = world.trajectory.position_m[:, 2]
+    return tuple(np.flatnonzero((z >= low) & (z < high)) for low, high in pairwise(edges))
 
 
 def _part(world: PlanWorld, frames: Array, low_m: float, high_m: float) -> PlanWorld:
@@ -103,10 +107,10 @@ def _clipped(extent_m: Array, low_m: float, high_m: float) -> Array:
     return clipped
 
 
-def patches_of(patches: FreePatches, world: PlanWorld, storey: PlanWorld) -> FreePatches:
-    """The patches that frames of a storey saw, with the rows of its frames; `world` is the one it was cut from."""
+def patches_of(patches: FreePatches, world: PlanWorld, frames: Array) -> FreePatches:
+    """The patches that the frames (rows of `world`) of a storey saw, with their rows in the storey."""
     row = np.full(len(world.trajectory.stamp_ns), -1)
-    row[np.searchsorted(world.trajectory.stamp_ns, storey.trajectory.stamp_ns)] = np.arange(len(storey.trajectory.stamp_ns))
+    row[frames] = np.arange(len(frames))
     kept = row[patches.frame] >= 0
     return replace(
         patches,

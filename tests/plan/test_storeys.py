@@ -8,9 +8,9 @@ import pytest
 
 from floorplan.model.checks import Array
 from floorplan.model.scan import Trajectory
-from floorplan.model.segment import AXIS_X, AXIS_Y, AXIS_Z
+from floorplan.model.segment import AXIS_X, AXIS_Y, AXIS_Z, FreePatches
 from floorplan.plan.plan_frame import PlanWorld
-from floorplan.plan.storeys import floor_heights_m, stacked, storeys
+from floorplan.plan.storeys import floor_heights_m, frames_of_storeys, patches_of, stacked, storeys
 from tests.sample_plan import sample_plan
 
 CARRIED_M = 1.5
@@ -87,6 +87,20 @@ def test_walls_count_where_their_points_are() -> None:
     assert AXIS_Y not in whole.plane_axis
     lower, upper = storeys(whole)
     assert lower.plane_frames[0] > 0 == upper.plane_frames[0]
+
+
+def test_patches_go_with_their_frames_also_where_stamps_repeat() -> None:
+    """Joined scans keep their own stamps, which may overlap."""
+    whole = world((0.0, 2.9), (0.0, 2.9))
+    path = whole.trajectory
+    whole = replace(whole, trajectory=replace(path, stamp_ns=np.arange(len(path.stamp_ns)) % 24))
+    count = len(path.stamp_ns)
+    number, pairs = np.arange(count), np.zeros((count, 2))
+    patches = FreePatches(number, number.astype(float), pairs, pairs, pairs, np.zeros(count), np.ones(count))
+    parts = [patches_of(patches, whole, rows) for rows in frames_of_storeys(whole, floor_heights_m(whole))]
+    assert np.array_equal(np.concatenate([part.normal_yaw_rad for part in parts]), number)
+    for part, storey in zip(parts, storeys(whole), strict=True):
+        assert np.array_equal(part.frame, np.arange(len(storey.trajectory.stamp_ns)))
 
 
 def test_stacked_plans_know_their_level_and_their_height() -> None:
