@@ -143,6 +143,8 @@ def _ply_layout(raw: bytes, path: Path) -> _Layout:
     fields = [words for words in lines[elements[0] + 1 : (elements[1:] or [len(lines)])[0]] if words[0] == "property"]
     if any(len(words) != 3 or words[1] not in PLY_TYPES for words in fields):
         raise InputError(f"{path}: a property of the PLY vertices is no number")
+    if len({words[2] for words in fields}) < len(fields):
+        raise InputError(f"{path}: two properties of the PLY vertices have one name")
     dtype = np.dtype([(words[2], order + PLY_TYPES[words[1]]) for words in fields])
     return _Layout(dtype, _whole(lines[elements[0]][2:3], path), 1, data if data == "ascii" else "binary", start)
 

@@ -6,6 +6,7 @@ colour image `w` x `h`; depth images are `dw` x `dh`. Not checked against bytes 
 """
 
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +52,7 @@ class Record3dReader:
             names = set(archive.namelist())
             if "metadata" not in names:
                 raise InputError(f"{path}: no metadata in it; share the recording from Record3D as .r3d again")
-            tree = text_object(archive.read("metadata"), path)
+            tree = text_object(_member(archive, "metadata", path), path)
         return _open(path, tree, names, config)
 
 
@@ -102,11 +103,15 @@ def _opened(path: Path) -> zipfile.ZipFile:
 
 
 def _read(archive: zipfile.ZipFile, name: str, size: int, path: Path) -> bytes:
+    return unpacked(_member(archive, name, path), size, f"{path}: {name}")
+
+
+def _member(archive: zipfile.ZipFile, name: str, path: Path) -> bytes:
+    """One file of the archive. Raises `InputError` where it is missing or damaged."""
     try:
-        packed = archive.read(name)
-    except (KeyError, OSError, zipfile.BadZipFile) as error:
+        return archive.read(name)
+    except (KeyError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"{path}: {name} cannot be read ({error})") from error
-    return unpacked(packed, size, f"{path}: {name}")
 
 
 def _open(path: Path, tree: dict[str, Any], names: set[str], config: ReadConfig) -> Record3dScan:

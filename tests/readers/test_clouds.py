@@ -108,6 +108,7 @@ BROKEN = [
     ("a.ply", ply_bytes(cloud())[:-10], "cut off: 49 of 50 points"),
     ("a.ply", ply_bytes(cloud()).replace(b"property float z", b"property list uchar int z"), "is no number"),
     ("a.ply", ply_bytes(cloud()).replace(b"float z", b"float w"), "no x, y, z"),
+    ("a.ply", ply_bytes(cloud()).replace(b"float z", b"float y"), "have one name"),
     ("a.pcd", pcd_bytes(cloud(), np.zeros(50)).replace(b"DATA binary", b"DATA zipped"), "PCD data are 'zipped'"),
     ("a.pcd", pcd_bytes(cloud(), np.zeros(50)).replace(b"SIZE 4 4 4 2", b"SIZE 4 4 2"), "do not match"),
     ("a.bin", b"12345", "no whole number of points"),

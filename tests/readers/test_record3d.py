@@ -71,6 +71,13 @@ def test_damaged_depth_is_a_bad_frame_and_broken_metadata_an_error(folder: Path,
         broken = rewritten(path, tmp_path / f"{key}.r3d", {"metadata": json.dumps({**tree, key: value}).encode()})
         with pytest.raises(InputError, match=told):
             open_scan(broken)
+    with zipfile.ZipFile(tmp_path / "flipped.r3d", "w", zipfile.ZIP_DEFLATED) as new:
+        new.writestr("metadata", json.dumps(tree))
+    packed = bytearray((tmp_path / "flipped.r3d").read_bytes())
+    packed[60:80] = bytes(20)  # within the packed metadata
+    (tmp_path / "flipped.r3d").write_bytes(packed)
+    with pytest.raises(InputError, match="metadata cannot be read"):
+        open_scan(tmp_path / "flipped.r3d")
     (tmp_path / "cut.r3d").write_bytes(path.read_bytes()[:5000])
     with pytest.raises(InputError, match="no ZIP file, or cut off"):
         open_scan(tmp_path / "cut.r3d")
