@@ -1,11 +1,12 @@
 """Where to look for the laying of one scan on another: anywhere, where both began, or by points measured in both plans."""
 
-import csv
+import codecs
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from floorplan.csv_cells import csv_lines, length_m
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.several.correlate import Near
@@ -16,6 +17,8 @@ COMMON_WITHIN_M = 1.5  # nobody starts twice on the very spot
 POINTS_WITHIN_M = 0.7  # points are picked by eye on two drawings, and the drawings drift
 LARGEST_MISS_M = 0.6  # of one picked pair against all of them
 HEADER = ("x1", "y1", "x2", "y2")
+SECOND = 2  # the scan of a row that names none
+HOW = f"a header row {','.join(HEADER)}, then one pair of points a row, metres in both plans"
 
 
 @dataclass(frozen=True)
@@ -32,17 +35,21 @@ def read_point_pairs(path: Path) -> PointPairs:
     """The file's pairs: header `x1,y1,x2,y2` and maybe `scan` (2 where it is missing). Raises `InputError` naming line and remedy."""
     if not path.is_file():
         raise InputError(f"{path}: no such file; --start takes match, common, or a file of point pairs ({','.join(HEADER)})")
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        table = csv.DictReader(line for line in file if not line.startswith("#"))
-        if not set(HEADER) <= set(table.fieldnames or ()):
-            raise InputError(f"{path}: the header must name {', '.join(HEADER)} (and scan, where there are more than two)")
-        rows = [(number, row) for number, row in enumerate(table, 2)]
+    lines = csv_lines(_without_comments(path.read_bytes()), str(path), HOW)
+    if not set(HEADER) <= set(lines.columns):
+        raise InputError(f"{path}: the header must name {', '.join(HEADER)} (and scan, where there are more than two)")
+    rows = [(line, dict(zip(lines.columns, cells, strict=False))) for line, cells in lines.rows]
     try:
-        values = np.array([[float(row[name]) for name in HEADER] for _, row in rows]).reshape(-1, 4)
-        scans = np.array([int(row.get("scan") or 2) for _, row in rows], dtype=np.int64)
-    except (TypeError, ValueError) as error:
+        values = np.array([[length_m(name, row.get(name, "")) for name in HEADER] for _, row in rows]).reshape(-1, 4)
+        scans = np.array([int(row.get("scan") or SECOND) for _, row in rows], dtype=np.int64)
+    except ValueError as error:
         raise InputError(f"{path}: a row holds no four numbers ({error})") from error
     return PointPairs(scans, values[:, :2], values[:, 2:], np.array([number for number, _ in rows], dtype=np.int64))
+
+
+def _without_comments(content: bytes) -> bytes:
+    """Lines that begin with # made empty, so that the others keep their numbers."""
+    return b"\n".join(b"" if line.startswith(b"#") else line for line in content.removeprefix(codecs.BOM_UTF8).split(b"\n"))
 
 
 def near_common_start(base: Survey, other: Survey) -> Near:

@@ -91,7 +91,7 @@ def test_point_pairs_choose_between_places_and_the_walls_make_them_exact(tmp_pat
 
 def test_a_pair_that_does_not_fit_the_others_is_named_by_its_line(tmp_path: Path) -> None:
     path = pairs_file(tmp_path / "pairs.csv", Laying(1, np.array([2.0, 0.0])), wrong_m=1.5)
-    with pytest.raises(InputError, match=r"line 4 misses the other pairs of scan 2 by 1\.\d+ m"):
+    with pytest.raises(InputError, match=r"line 5 misses the other pairs of scan 2 by 1\.\d+ m"):
         near_points(read_point_pairs(path), 2, path)
 
 
@@ -103,8 +103,24 @@ def test_pairs_that_put_a_scan_where_its_walls_contradict_are_refused(tmp_path: 
         lay_all([floor_survey(ROOMS[:4]), other], NAMES, lambda number, survey: near_points(pairs, number, path))
 
 
-@pytest.mark.parametrize(("text", "told"), [("a,b\n1,2\n", "header must name"), ("x1,y1,x2,y2\n1,2,3,\n", "no four numbers")])
+UNREADABLE = [
+    ("a,b\n1,2\n", "header must name"),
+    ("x1,y1,x2,y2\n1,2,3,\n", "no four numbers"),
+    ("x1,y1,x2,y2\n1,2,3,nan\n", "no length"),
+]
+
+
+@pytest.mark.parametrize(("text", "told"), UNREADABLE)
 def test_a_file_of_pairs_that_cannot_be_read_says_why(tmp_path: Path, text: str, told: str) -> None:
     (tmp_path / "pairs.csv").write_text(text)
     with pytest.raises(InputError, match=told):
         read_point_pairs(tmp_path / "pairs.csv")
+
+
+def test_pairs_are_read_as_spreadsheets_write_them(tmp_path: Path) -> None:
+    (tmp_path / "pairs.csv").write_bytes("\ufeff# T\u00fcr\r\nx1;y1;x2;y2;scan\r\n1,5;2;3;4;\r\n1;2;3;4;3\r\n".encode())
+    (tmp_path / "latin.csv").write_bytes("x1,y1,x2,y2,note\n1.5,2,3,4,T\u00fcr\n".encode("latin-1"))
+    pairs, latin = read_point_pairs(tmp_path / "pairs.csv"), read_point_pairs(tmp_path / "latin.csv")
+    assert pairs.scan.tolist() == [2, 3]
+    assert pairs.line.tolist() == [3, 4]
+    assert pairs.first_xy_m[0].tolist() == latin.first_xy_m[0].tolist() == [1.5, 2.0]
