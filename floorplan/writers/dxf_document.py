@@ -20,6 +20,8 @@ DIMENSION_STYLE = "FLOORPLAN"
 APPLICATION = "FLOORPLAN"  # registered application of the extended data that carries our ids
 FONT = "arial.ttf"  # every CAD program has it or replaces it by one as wide
 INSUNITS_METRIC = 1  # $MEASUREMENT
+VIEW_MARGIN = 1.15  # a little air around the plan in the start view
+SCREEN_ASPECT = 1.6  # of a wide screen
 FIXED_JULIAN_DATE = 2451544.91568287  # written where the recording's date is not known
 
 

@@ -12,7 +12,7 @@ from floorplan.writers.composition import Composition
 from floorplan.writers.door_symbol import DoorSymbol, window_lines
 from floorplan.writers.dxf_blocks import OPENING_BLOCKS, STAMP_BLOCK, WIDTH_TAG, add_opening_blocks, add_stamp_block, draw_label
 from floorplan.writers.dxf_dimensions import add_dimension_style, add_dimensions
-from floorplan.writers.dxf_document import APPLICATION, model_per_mm
+from floorplan.writers.dxf_document import APPLICATION, SCREEN_ASPECT, VIEW_MARGIN, model_per_mm
 from floorplan.writers.layers import Layer
 from floorplan.writers.plan_scene import line_notes, open_side_notes
 from floorplan.writers.scene import Label
@@ -169,9 +169,7 @@ def _draw_evidence(space: ModelSpace) -> None:
 def _set_view(space: ModelSpace) -> None:
     """Extents, and a start view on the whole plan with its dimensions."""
     box, per = space.composition.extents, space.per_metre
-    margin = 1.15  # a little air around the plan
     width, height = (box.x1 - box.x0) * per, (box.y1 - box.y0) * per
     centre = ((box.x0 + box.x1) / 2 * per, (box.y0 + box.y1) / 2 * per)
     space.space.reset_extents((box.x0 * per, box.y0 * per, 0), (box.x1 * per, box.y1 * per, 0))
-    aspect = 1.6  # of a wide screen
-    space.document.set_modelspace_vport(max(height, width / aspect) * margin, centre)
+    space.document.set_modelspace_vport(max(height, width / SCREEN_ASPECT) * VIEW_MARGIN, centre)

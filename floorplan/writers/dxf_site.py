@@ -5,12 +5,10 @@ from typing import TYPE_CHECKING
 
 from floorplan.model.site import Site
 from floorplan.writers.composition import Composition
+from floorplan.writers.dxf_document import SCREEN_ASPECT, VIEW_MARGIN
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-
-VIEW_MARGIN = 1.15  # a little air around the plan
-SCREEN_ASPECT = 1.6
 
 
 def place_on_site(document: "Drawing", composition: Composition) -> None:
