@@ -7,11 +7,12 @@ from typing import TypeVar
 import numpy as np
 
 from floorplan.errors import NoSolutionError
+from floorplan.frontal import eliminate_in_order, log_marginal_likelihood
 from floorplan.lumps import lump_length_m, lumped
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, log_likelihood
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, AxesRows, arrange_rows, odometry_of
 from floorplan.windows import Window
 
 RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a variance; beyond, odometry says nothing
@@ -32,10 +33,10 @@ Drift = TypeVar("Drift", DriftModel, VerticalDrift)
 
 @dataclass(frozen=True)
 class _Asked:
-    """A window, lumped: its graph, the sigmas (R,) of its rows, the mean number of frames in a lump."""
+    """A window, lumped: its graph, its rows of the axes asked about, the mean number of frames in a lump."""
 
     graph: LayoutGraph
-    sigma_m: Array
+    rows: AxesRows
     frames: float
 
 
@@ -60,15 +61,19 @@ def most_likely(noise: ScanNoise, pieces: Sequence[Window]) -> ScanNoise:
 
     x and y first (rate, scale, sideways, factor), then z (rate, slope) with that factor.
     """
-    level = _asked(pieces, LEVEL_AXES, noise.sigma_m, noise.drift.rate_m_per_sqrt_m)
+    drift, vertical, factor = noise.drift, noise.vertical, 1.0
+    level = _asked(pieces, LEVEL_AXES, noise.sigma_m, drift.rate_m_per_sqrt_m)
     if level:
-        start = np.log([noise.drift.rate_m_per_sqrt_m, noise.drift.scale_sigma, noise.drift.sideways_sigma, 1.0])
-        noise = _with_level(noise, _climb(lambda at: _level_score(noise, at, level), start))
-    upright = _asked(pieces, UPRIGHT_AXES, noise.sigma_m, noise.vertical.rate_m_per_sqrt_m)
+        start = np.log([drift.rate_m_per_sqrt_m, drift.scale_sigma, drift.sideways_sigma, 1.0])
+        found = _climb(lambda at: _likelihood(_level_at(drift, at), vertical, float(np.exp(at[3])), level) + _level_prior(at), start)
+        drift, factor = _level_at(drift, found), float(np.exp(found[3]))
+    sigma_m = noise.sigma_m * factor
+    upright = _asked(pieces, UPRIGHT_AXES, sigma_m, vertical.rate_m_per_sqrt_m)
     if upright:
-        start = np.log([noise.vertical.rate_m_per_sqrt_m, noise.vertical.slope_sigma])
-        noise = _with_upright(noise, _climb(lambda at: _upright_score(noise, at, upright), start))
-    return noise
+        start = np.log([vertical.rate_m_per_sqrt_m, vertical.slope_sigma])
+        found = _climb(lambda at: _likelihood(drift, _upright_at(vertical, at), 1.0, upright) + _upright_prior(at), start)
+        vertical = _upright_at(vertical, found)
+    return replace(noise, drift=drift, vertical=vertical, sigma_m=sigma_m)
 
 
 def _climb(value_at: Callable[[Array], float], start: Array) -> Array:
@@ -99,23 +104,14 @@ def _top_of_parabola(low: float, middle: float, high: float) -> float:
     return LARGEST_MOVE if high > low else -LARGEST_MOVE
 
 
-def _likelihood(noise: ScanNoise, factor: float, asked: Sequence[_Asked], axes: tuple[int, ...]) -> float:
+def _likelihood(drift: DriftModel, vertical: VerticalDrift, factor: float, asked: Sequence[_Asked]) -> float:
     total = 0.0
     for piece in asked:
-        drift, vertical = _over_lumps(noise.drift, piece.frames), _over_lumps(noise.vertical, piece.frames)
-        thin = replace(noise, drift=drift, vertical=vertical, sigma_m=piece.sigma_m * factor, step_m=None)
-        total += log_likelihood(build_system(piece.graph, thin, axes))
+        chain = odometry_of(piece.graph, piece.rows, _over_lumps(drift, piece.frames), _over_lumps(vertical, piece.frames), None)
+        total += log_marginal_likelihood(eliminate_in_order(chain, piece.rows.arranged.weakened(factor)))
     if not np.isfinite(total):
         raise NoSolutionError("The likelihood of the odometry's drift is not finite: check distances and translations for NaN.")
     return total
-
-
-def _level_score(noise: ScanNoise, at: Array, asked: Sequence[_Asked]) -> float:
-    return _likelihood(_with_level(noise, at), float(np.exp(at[3])), asked, LEVEL_AXES) + _level_prior(at)
-
-
-def _upright_score(noise: ScanNoise, at: Array, asked: Sequence[_Asked]) -> float:
-    return _likelihood(_with_upright(noise, at), 1.0, asked, UPRIGHT_AXES) + _upright_prior(at)
 
 
 def _level_prior(at: Array) -> float:
@@ -131,16 +127,14 @@ def _upright_prior(at: Array) -> float:
     return float(-0.5 * (((rate - np.log(TYPICAL_RATE)) / RATE_SPREAD) ** 2 + ((slope - np.log(TYPICAL_SLOPE)) / PART_SPREAD) ** 2))
 
 
-def _with_level(noise: ScanNoise, at: Array) -> ScanNoise:
-    rate, scale, sideways, factor = np.exp(at)
-    drift = replace(noise.drift, rate_m_per_sqrt_m=float(rate), scale_sigma=float(scale), sideways_sigma=float(sideways))
-    return replace(noise, drift=within_bounds(drift), sigma_m=noise.sigma_m * factor)
+def _level_at(drift: DriftModel, at: Array) -> DriftModel:
+    rate, scale, sideways, _ = np.exp(at).tolist()
+    return within_bounds(replace(drift, rate_m_per_sqrt_m=rate, scale_sigma=scale, sideways_sigma=sideways))
 
 
-def _with_upright(noise: ScanNoise, at: Array) -> ScanNoise:
-    rate, slope = np.exp(at)
-    vertical = replace(noise.vertical, rate_m_per_sqrt_m=float(rate), slope_sigma=float(slope))
-    return replace(noise, vertical=vertical_within_bounds(vertical))
+def _upright_at(vertical: VerticalDrift, at: Array) -> VerticalDrift:
+    rate, slope = np.exp(at).tolist()
+    return vertical_within_bounds(replace(vertical, rate_m_per_sqrt_m=rate, slope_sigma=slope))
 
 
 def _over_lumps(drift: Drift, n: float) -> Drift:
@@ -154,5 +148,5 @@ def _asked(pieces: Sequence[Window], axes: tuple[int, ...], sigma_m: Array, rate
     length_m, asked = lump_length_m(sigma_m, rate), []
     for i in np.unique(places):
         graph, sigma = lumped(useful[i], sigma_m, length_m)
-        asked.append(_Asked(graph, sigma, len(useful[i].graph.stamp_s) / len(graph.stamp_s)))
+        asked.append(_Asked(graph, arrange_rows(graph, sigma, axes), len(useful[i].graph.stamp_s) / len(graph.stamp_s)))
     return asked

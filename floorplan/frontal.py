@@ -42,29 +42,64 @@ class Solved:
     state: Array
 
 
-def eliminate_in_order(chain: Chain, rows: Rows, planes: int) -> Eliminated:
-    """Factor the chain and its rows. Raises NoSolutionError where they are singular."""
-    rows = _usable(rows)
+@dataclass(frozen=True)
+class Arranged:
+    """Measurement rows by frame, and what of an elimination they alone settle.
+
+    `most_open` planes at one frame; right-hand sides `frame_pull (N, n)`, `column_pull (M,)`; `square_sum` and `log_weight` of the rows.
+    """
+
+    rows: FrameRows
+    most_open: int
+    frame_pull: Array
+    column_pull: Array
+    square_sum: float
+    log_weight: float
+
+    def weakened(self, factor: float) -> "Arranged":
+        """The same with every sigma times `factor`."""
+        share = factor**-2
+        rows = self.rows._replace(weight=self.rows.weight * share)
+        log_weight = self.log_weight + len(rows.weight) * float(np.log(share))
+        return Arranged(rows, self.most_open, self.frame_pull * share, self.column_pull * share, self.square_sum * share, log_weight)
+
+
+def arrange(rows: Rows, shape: tuple[int, int], planes: int, pinned: int) -> Arranged:
+    """The rows of `planes` columns for a chain of `shape` (N, n) with `pinned` states of frame 0; those of weight 0 are left out."""
+    rows, (frames, states) = _usable(rows), shape
+    pulled = rows.weight * rows.distance_m
+    free = (rows.frame > 0) | (rows.component >= pinned)
+    cell = rows.frame[free] * states + rows.component[free]
+    frame_pull = np.bincount(cell, -pulled[free], frames * states).astype(np.float64).reshape(frames, states)
+    return Arranged(
+        _rows_of_frames(rows, frames, planes),
+        _most_open(rows, frames, planes),
+        frame_pull,
+        np.bincount(rows.column, pulled, planes).astype(np.float64),
+        float(pulled @ rows.distance_m),
+        float(np.log(rows.weight).sum()),
+    )
+
+
+def eliminate_in_order(chain: Chain, arranged: Arranged) -> Eliminated:
+    """Factor the chain with the rows. Raises NoSolutionError where they are singular."""
     frames, states, width = chain.dense.shape
-    seats = width + _most_open(rows, frames, planes)
+    planes = len(arranged.column_pull)
+    seats = width + arranged.most_open
     front, factor = _front(seats, states, width, planes), _factor(frames, states, seats, planes)
     front.inner[:width, :width] = chain.dense_information
-    log_det = eliminate(front, factor, _rows_of_frames(rows, frames, planes), chain.diagonal, chain.coupling, chain.dense, chain.pinned)
+    log_det = eliminate(front, factor, arranged.rows, chain.diagonal, chain.coupling, chain.dense, chain.pinned)
     if not np.isfinite(log_det):
         raise NoSolutionError("The trajectory's normal equations are singular: check the odometry rows for zeros or NaN.")
     information = np.tril(front.inner[:width, :width])
-    pulled = rows.weight * rows.distance_m
-    free = (rows.frame > 0) | (rows.component >= chain.pinned)
-    frame_rhs = chain.rhs.copy()
-    np.add.at(frame_rhs, (rows.frame[free], rows.component[free]), -pulled[free])
     return Eliminated(
         factor,
         information + np.tril(information, -1).T,
-        frame_rhs,
-        np.concatenate([np.bincount(rows.column, pulled, planes), chain.dense_rhs]),
+        chain.rhs + arranged.frame_pull,
+        np.concatenate([arranged.column_pull, chain.dense_rhs]),
         log_det,
-        chain.square_sum + float(pulled @ rows.distance_m),
-        chain.log_weight + float(np.log(rows.weight).sum()),
+        chain.square_sum + arranged.square_sum,
+        chain.log_weight + arranged.log_weight,
     )
 
 

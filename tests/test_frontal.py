@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from floorplan.chain import Rows
+from floorplan.chain import Chain, Rows
 from floorplan.chain_builder import ChainBuilder
 from floorplan.errors import NoSolutionError
-from floorplan.frontal import eliminate_in_order, joint_covariance, least_squares, log_marginal_likelihood
+from floorplan.frontal import Eliminated, arrange, eliminate_in_order, joint_covariance, least_squares, log_marginal_likelihood
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel
 from floorplan.odometry_chain import NO_LINKS, Links, joint_chain, step_variance_m2
@@ -33,6 +33,10 @@ def random_rows(rng: np.random.Generator, components: int) -> Rows:
     column = np.repeat(np.arange(PLANES), 12)
     weight = rng.uniform(0.5, 2.0, len(frame)) * 1e4
     return Rows(frame, axis[column], column, rng.normal(0, 2, len(frame)), weight)
+
+
+def eliminated_of(chain: Chain, rows: Rows, planes: int) -> Eliminated:
+    return eliminate_in_order(chain, arrange(rows, chain.rhs.shape, planes, chain.pinned))
 
 
 def dense_joint(t: Array, drift: DriftModel, rows: Rows, links: Links = NO_LINKS) -> Dense:
@@ -78,7 +82,7 @@ def test_the_joint_chain_gives_the_dense_least_squares_solution_and_covariance(s
     rng = np.random.default_rng(seed)
     t = rng.normal(0, 0.2, (FRAMES - 1, 2))
     rows = random_rows(rng, 2)
-    eliminated = eliminate_in_order(joint_chain(t, DRIFT, links), rows, PLANES)
+    eliminated = eliminated_of(joint_chain(t, DRIFT, links), rows, PLANES)
     solved = least_squares(eliminated)
     dense = dense_joint(t, DRIFT, rows, links)
     want = np.linalg.lstsq(dense.A, dense.b, rcond=None)[0]
@@ -104,7 +108,7 @@ def test_the_marginal_likelihood_is_that_of_the_dense_system() -> None:
         cost = float(((dense.A @ best - dense.b) ** 2).sum())
         weights = -2 * (FRAMES - 1) * np.log(rate**2)  # the part of the rows' weights that depends on the rate
         dense_value = 0.5 * (weights - np.linalg.slogdet(dense.A.T @ dense.A)[1] - cost)
-        values.append(log_marginal_likelihood(eliminate_in_order(joint_chain(t, drift), rows, PLANES)) - dense_value)
+        values.append(log_marginal_likelihood(eliminated_of(joint_chain(t, drift), rows, PLANES)) - dense_value)
     assert values[0] == pytest.approx(values[1], abs=1e-6)
 
 
@@ -118,7 +122,7 @@ def test_a_long_walk_past_many_planes_opens_few_seats_and_forgets_nothing() -> N
     t = rng.normal(0, 0.1, frames - 1)
     builder = ChainBuilder(frames, 1, 0)
     builder.add_rows(-np.ones((frames - 1, 1, 1)), np.ones((frames - 1, 1, 1)), None, t[:, None], np.ones((frames - 1, 1)))
-    eliminated = eliminate_in_order(builder.chain(pinned=1), rows, planes + 1)
+    eliminated = eliminated_of(builder.chain(pinned=1), rows, planes + 1)
     solved = least_squares(eliminated)
     assert eliminated.factor.felt.shape[1] < 5  # no more seats than planes open at one time
     assert solved.column[planes] == 0.0  # never seen
@@ -139,4 +143,4 @@ def test_odometry_without_numbers_is_refused() -> None:
     t = np.full((FRAMES - 1, 2), 0.1)
     t[7] = np.nan
     with pytest.raises(NoSolutionError, match="singular"):
-        eliminate_in_order(joint_chain(t, DRIFT), random_rows(np.random.default_rng(6), 2), PLANES)
+        eliminated_of(joint_chain(t, DRIFT), random_rows(np.random.default_rng(6), 2), PLANES)

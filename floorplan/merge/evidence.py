@@ -37,9 +37,9 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution) -> M
     apart = [seen_apart(graph, noise.sigma_m, PRIOR_BIAS_M, planes) for planes in systems]
     noise = replace(noise, bias_sigma_m=bias_sigma_m(systems, apart))
     first = [_decided(graph, noise, planes, None) for planes in systems]
-    noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in first]))
+    noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in first], noise.bias_sigma_m))
     second = [_decided(graph, noise, planes, made.decision.plane) for planes, made in zip(systems, first, strict=True)]
-    noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in second]))
+    noise = replace(noise, bias_sigma_m=merged_bias_sigma_m(systems, [made.decision.plane for made in second], noise.bias_sigma_m))
     label = np.arange(len(graph.axis))
     for planes, made in zip(systems, second, strict=True):
         label[planes.tracks] = planes.tracks[made.decision.plane]

@@ -1,6 +1,7 @@
 """The error that all rows of one track share: first from tracks that are probably one surface, then from those merged."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -27,18 +28,39 @@ def bias_sigma_m(systems: Sequence[Planes], apart: Sequence[Pairs]) -> float:
     return _likeliest(sum(parts, np.zeros(len(BIAS_GRID_M))))
 
 
-def merged_bias_sigma_m(systems: Sequence[Planes], partitions: Sequence[Array]) -> float:
+def merged_bias_sigma_m(systems: Sequence[Planes], partitions: Sequence[Array], guess_m: float) -> float:
     """The same once `partitions` (T,) say which tracks are one plane: restricted likelihood of the tracks about their planes (E7b).
 
-    The planes' covariances are those without the bias.
+    The planes' covariances are those without the bias. The grid is climbed from `guess_m`, one of its values.
     """
-    parts = (_after_merging(planes, plane) for planes, plane in zip(systems, partitions, strict=True))
-    return _likeliest(sum(parts, np.zeros(len(BIAS_GRID_M))))
+    asked = [_few(planes, plane) for planes, plane in zip(systems, partitions, strict=True)]
+    at, known = int(np.argmin(np.abs(BIAS_GRID_M - guess_m))), dict[int, float]()
+    while True:
+        near = [k for k in (at, at - 1, at + 1) if 0 <= k < len(BIAS_GRID_M)]
+        for k in near:
+            if k not in known:
+                known[k] = float(_log_prior(BIAS_GRID_M[k])) + sum(_restricted(few, BIAS_GRID_M[k]) for few in asked)
+        best = max(near, key=known.__getitem__)
+        if best == at:
+            return float(BIAS_GRID_M[at])
+        at = best
+
+
+@dataclass(frozen=True)
+class _Few:
+    """Some tracks of a system: their covariance and offsets (F,), `G (F, planes)` which plane each belongs to."""
+
+    covariance_m2: Array
+    G: Array
+    offset_m: Array
 
 
 def _likeliest(log_likelihood: Array) -> float:
-    prior = -0.5 * (np.log(BIAS_GRID_M / PRIOR_BIAS_M) / PRIOR_SPREAD) ** 2
-    return float(BIAS_GRID_M[np.argmax(log_likelihood + prior)])
+    return float(BIAS_GRID_M[np.argmax(log_likelihood + _log_prior(BIAS_GRID_M))])
+
+
+def _log_prior(bias_m: Array) -> Array:
+    return np.asarray(-0.5 * (np.log(bias_m / PRIOR_BIAS_M) / PRIOR_SPREAD) ** 2)
 
 
 def _before_merging(planes: Planes, apart: Pairs) -> Array:
@@ -61,19 +83,19 @@ def _mixture(delta: Array, variance: Array) -> Array:
     return table
 
 
-def _after_merging(planes: Planes, plane: Array) -> Array:
+def _few(planes: Planes, plane: Array) -> _Few:
     few = np.arange(min(len(plane), MOST_TRACKS))
     member = np.unique(plane[few], return_inverse=True)[1]
     G = np.zeros((len(few), int(member.max(initial=-1)) + 1))
     G[few, member] = 1.0
-    covariance = planes.covariance_m2[np.ix_(few, few)]
-    return np.array([_restricted(covariance + bias**2 * np.eye(len(few)), G, planes.offset_m[few]) for bias in BIAS_GRID_M])
+    return _Few(planes.covariance_m2[np.ix_(few, few)], G, planes.offset_m[few])
 
 
-def _restricted(covariance: Array, G: Array, offset_m: Array) -> float:
+def _restricted(few: _Few, bias_m: float) -> float:
     """Log likelihood of `offset = G plane + error` with the planes integrated out."""
+    covariance = few.covariance_m2 + bias_m**2 * np.eye(len(few.offset_m))
     lower = cholesky(covariance, lower=True, check_finite=False)
-    white = solve_triangular(lower, np.column_stack([G, offset_m]), lower=True, check_finite=False)
+    white = solve_triangular(lower, np.column_stack([few.G, few.offset_m]), lower=True, check_finite=False)
     inner = cholesky(white[:, :-1].T @ white[:, :-1], lower=True, check_finite=False)
     fitted = solve_triangular(inner, white[:, :-1].T @ white[:, -1], lower=True, check_finite=False)
     log_det = 2 * float(np.log(np.diag(lower)).sum() + np.log(np.diag(inner)).sum())
