@@ -17,7 +17,7 @@ from floorplan.readers.base import BadFrame, Source
 from floorplan.recording_checks import frozen_start, motion_problems
 from floorplan.reporting import Steps, no_steps
 from floorplan.rgbd_odometry import with_rgbd_odometry
-from floorplan.sweep_matching import refine_odometry, with_level_poses
+from floorplan.sweep_matching import match_sweeps, with_level_poses
 
 
 def ingest(source: Source, config: IngestConfig, steps: Steps = no_steps) -> IngestedScan:
@@ -30,11 +30,13 @@ def ingest(source: Source, config: IngestConfig, steps: Steps = no_steps) -> Ing
     if not _is_to_be_refined(recording, config):
         return IngestedScan(recording, keyframes_of(recording, config))
     recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
-    refined = refine_odometry(source, recording, steps("matching sweeps"))
+    matched = match_sweeps(source, recording, steps)
+    refined = matched.refined
     closed = close_loops(refined, steps("closing loops")) if config.close_loops else None
-    recording = replace(recording, problems=recording.problems + matching_problems(refined, closed))
+    recording = replace(recording, problems=recording.problems + matching_problems(matched, closed))
     recording = with_level_poses(recording, refined.pose if closed is None else closed.pose)
-    return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=None if closed is None else closed.sigma_m)
+    sigma_m = None if closed is None else closed.sigma_m
+    return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=sigma_m, wheels=matched.wheels)
 
 
 def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:

@@ -1,19 +1,29 @@
-"""What matching a laser's sweeps says about its trajectory: places where it may have been lost, loops that do not agree."""
+"""What matching a laser's sweeps says about its trajectory: places where it may have been lost, loops that do not agree, bad wheels."""
 
 import numpy as np
 
 from floorplan.loop_closing import ClosedLoops
 from floorplan.model.checks import Array
-from floorplan.model.scan import Problem
-from floorplan.sweep_matching import RefinedOdometry
+from floorplan.model.scan import Problem, Wheels
+from floorplan.sweep_matching import MatchedSweeps
 
 _LOST_SHARE = 0.3  # of a sweep's surfaces: with less it fits nothing seen before it
 _MANY_REJECTED = 0.2  # of the loops; a few wrong ones are ordinary
 
 
-def matching_problems(refined: RefinedOdometry, closed: ClosedLoops | None) -> tuple[Problem, ...]:
+def matching_problems(sweeps: MatchedSweeps, closed: ClosedLoops | None) -> tuple[Problem, ...]:
     """Problems of the matched trajectory: coded, counted, with the first place."""
-    return _lost(refined.matched) + (() if closed is None else _contradicting(closed))
+    return _mended(sweeps.wheels) + _lost(sweeps.refined.matched) + (() if closed is None else _contradicting(closed))
+
+
+def _mended(wheels: Wheels) -> tuple[Problem, ...]:
+    """Wheels that turn too far by so much that the recording's own odometry is of little use."""
+    turn = wheels.turn
+    if turn is None or not turn.applied:
+        return ()
+    lacking = f"{np.degrees(turn.rad_per_m):+.1f} degrees a metre and {100 * turn.part:+.0f} % of each turn"
+    message = f"the odometry's turns lacked {lacking}; they were mended"
+    return (Problem("odometry-mended", message, advice="calibrate the robot's wheels before the next recording"),)
 
 
 def _lost(matched: Array) -> tuple[Problem, ...]:

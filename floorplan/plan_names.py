@@ -133,15 +133,11 @@ def _dimension(dimension: Dimension) -> Known:
 
 def _matched(things: Sequence[Known], book: Book) -> dict[str, str]:
     """The id of every thing: of its best match in the book, else a number above all used."""
-    pairs = sorted(
-        ((_likeness(one, old), -i, -j) for i, one in enumerate(things) for j, old in enumerate(book) if one.group == old.group),
-        reverse=True,
-    )
     ids: dict[str, str] = {}
     taken: set[str] = set()
-    for likeness, i, j in pairs:
+    for _, i, j in sorted(_alike(things, book), reverse=True):
         mine, known = things[-i].id, book[-j].id
-        if likeness >= SAME_SHARE and mine not in ids and known not in taken:
+        if mine not in ids and known not in taken:
             ids[mine] = known
             taken.add(known)
     for one in things:
@@ -164,14 +160,30 @@ def _number(id: str) -> int:
     return int(found[0]) if found else 0
 
 
-def _likeness(a: Known, b: Known) -> float:
-    """Share of the union of two widened boxes that both cover; 1 for things without a box."""
-    if not a.low_m:
-        return 1.0
-    low_a, high_a, low_b, high_b = (np.array(corner) for corner in (a.low_m, a.high_m, b.low_m, b.high_m))
-    overlap = np.clip(np.minimum(high_a, high_b) - np.maximum(low_a, low_b) + 2 * ROOM_TO_MOVE_M, 0.0, None).prod()
-    size_a, size_b = ((high - low + 2 * ROOM_TO_MOVE_M).prod() for low, high in ((low_a, high_a), (low_b, high_b)))
-    return float(overlap / (size_a + size_b - overlap))
+def _alike(things: Sequence[Known], book: Book) -> list[tuple[float, int, int]]:
+    """Likeness, -i and -j of every thing i that may be what the book calls j."""
+    groups: dict[str, tuple[list[int], list[int]]] = {one.group: ([], []) for one in things}
+    for side, known in ((0, things), (1, book)):
+        for row, one in enumerate(known):
+            if one.group in groups:
+                groups[one.group][side].append(row)
+    pairs = []
+    for mine, old in groups.values():
+        likeness = _likenesses([things[i] for i in mine], [book[j] for j in old])
+        rows, columns = np.nonzero(likeness >= SAME_SHARE)
+        pairs += [(float(likeness[r, c]), -mine[r], -old[c]) for r, c in zip(rows, columns, strict=True)]
+    return pairs
+
+
+def _likenesses(things: Sequence[Known], known: Sequence[Known]) -> Array:
+    """Share (A, B) of the union of two widened boxes that both cover; 1 for things without a box."""
+    if not things or not known or not things[0].low_m:
+        return np.ones((len(things), len(known)))
+    low_a, high_a = (np.array(corners)[:, None] for corners in ([one.low_m for one in things], [one.high_m for one in things]))
+    low_b, high_b = (np.array(corners)[None] for corners in ([one.low_m for one in known], [one.high_m for one in known]))
+    overlap = np.clip(np.minimum(high_a, high_b) - np.maximum(low_a, low_b) + 2 * ROOM_TO_MOVE_M, 0.0, None).prod(axis=2)
+    size_a, size_b = ((high - low + 2 * ROOM_TO_MOVE_M).prod(axis=2) for low, high in ((low_a, high_a), (low_b, high_b)))
+    return np.asarray(overlap / (size_a + size_b - overlap))
 
 
 def _extended(book: Book, things: Iterable[Known]) -> Book:

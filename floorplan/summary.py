@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.model.graph import LayoutSolution, MergeResult
-from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan, Problem, Trajectory
+from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan, Problem, Trajectory, Wheels
 from floorplan.model.segment import Tracks
 from floorplan.trajectory import path_length_m
 
@@ -35,8 +35,8 @@ class Drift:
 class Summary:
     """The paper's table for one scan; `drift` is None where nothing says that the walk ended where it began.
 
-    `complexity_reduction` = 1 - final planes / initial planes. `problems` are the bad data met; `key` stands for the stages
-    this table was made from.
+    `complexity_reduction` = 1 - final planes / initial planes. `wheels` is what
+    a laser's sweeps say about its robot's odometry. `problems` are the bad data met; `key` stands for the stages this table was made from.
     """
 
     format: str
@@ -54,6 +54,7 @@ class Summary:
     residual_m: float
     delta_m: float
     drift: Drift | None
+    wheels: Wheels | None
     problems: tuple[Problem, ...]
     seconds: Mapping[str, float]
     key: str
@@ -88,6 +89,7 @@ def summarise(
         residual_m=solution.residual_m,
         delta_m=merged.delta_m,
         drift=_drift(trajectories) if returns_to_start else None,
+        wheels=scan.wheels,
         problems=problems,
         seconds=seconds,
         key=key,

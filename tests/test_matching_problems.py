@@ -4,12 +4,15 @@ import numpy as np
 
 from floorplan.loop_closing import ClosedLoops
 from floorplan.matching_problems import matching_problems
-from floorplan.sweep_matching import RefinedOdometry
+from floorplan.model.scan import Wheels, WheelTurn
+from floorplan.sweep_matching import MatchedSweeps, RefinedOdometry
 
 
-def refined(matched: list[float]) -> RefinedOdometry:
+def refined(matched: list[float], turn: WheelTurn | None = None) -> MatchedSweeps:
     count = len(matched)
-    return RefinedOdometry(np.zeros((count, 3)), np.array(matched), np.zeros((count, 3, 3)), np.zeros(0, dtype=np.int64), ())
+    nothing = np.zeros((count, 3, 3))
+    steps = RefinedOdometry(np.zeros((count, 3)), np.array(matched), nothing, nothing, np.zeros(0, dtype=np.int64), ())
+    return MatchedSweeps(steps, Wheels(None, turn))
 
 
 def closed(joined: int, rejected: int) -> ClosedLoops:
@@ -26,3 +29,10 @@ def test_a_fifth_of_the_loops_may_contradict_the_others_and_more_are_reported() 
     assert matching_problems(refined([0.0, 0.9]), closed(80, 20)) == ()
     (wrong,) = matching_problems(refined([0.0, 0.9]), closed(70, 30))
     assert (wrong.code, wrong.count) == ("loops-contradict", 30)
+
+
+def test_wheels_that_turn_too_far_are_told_when_they_were_mended() -> None:
+    assert matching_problems(refined([0.0, 0.9], WheelTurn(0.05, -0.03, 0.001, 0.001, applied=False)), None) == ()
+    (mended,) = matching_problems(refined([0.0, 0.9], WheelTurn(0.05, -0.03, 0.001, 0.001, applied=True)), None)
+    assert mended.code == "odometry-mended"
+    assert "+2.9 degrees a metre" in mended.message

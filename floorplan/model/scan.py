@@ -167,6 +167,40 @@ class Trajectory:
 
 
 @dataclass(frozen=True)
+class LeverArm:
+    """From the point whose motion the odometry reports to the sensor, in the sensor's axes: metres ahead and to the left.
+
+    `turns` it was told by; `applied`: it is sure and long enough to count, and the odometry was moved by it.
+    """
+
+    forward_m: float
+    left_m: float
+    forward_sigma_m: float
+    left_sigma_m: float
+    turns: int
+    applied: bool
+
+
+@dataclass(frozen=True)
+class WheelTurn:
+    """What the wheels' turns lack: `rad_per_m` driven ahead and a `part` of each turn; `applied`: it is sure, and was added."""
+
+    rad_per_m: float
+    part: float
+    sigma_rad_per_m: float
+    sigma_part: float
+    applied: bool
+
+
+@dataclass(frozen=True)
+class Wheels:
+    """What matched sweeps say about a robot's odometry; None where the recording does not tell."""
+
+    lever_arm: LeverArm | None
+    turn: WheelTurn | None
+
+
+@dataclass(frozen=True)
 class ScanPart:
     """One of several scans recorded in one building and joined: where it begins, and how it was laid against those before.
 
@@ -192,9 +226,9 @@ class IngestedScan:
 
     `keyframe (F,)` are rows of `recording`, increasing; chosen by change of view. Everything called
     "frame" in later stages (`Segments.frame`, `LayoutGraph.frame`) is an index into `keyframe`.
-    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones. `map_sigma_m (N,)` where those are one
-    map, places seen again joined: how well each place is known; errors do not add up along the path, and the poses' world has one
-    direction all over. None: odometry that drifts.
+    `recorded_odometry` holds all N poses as the source gave them where `recording` has refined ones, and `wheels` what matching found
+    wrong with them. `map_sigma_m (N,)` where the refined ones are one map, places seen again joined: how well each place is known;
+    errors do not add up along the path, and the poses' world has one direction all over. None: odometry that drifts.
     `parts` are the scans it was joined from, in order, whose stamps may overlap; empty for a scan that is one recording.
     """
 
@@ -203,6 +237,7 @@ class IngestedScan:
     recorded_odometry: Trajectory | None = None
     parts: tuple[ScanPart, ...] = ()
     map_sigma_m: Array | None = None
+    wheels: Wheels | None = None
 
     @property
     def mapped(self) -> bool:

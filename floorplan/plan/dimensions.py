@@ -104,11 +104,13 @@ def _same_distance(a: Dimension, b: Dimension) -> bool:
 def _room_stretches(faces: tuple[FaceRun, ...], rooms: tuple[Room, ...]) -> list[RoomStretch]:
     """For every facing pair, the longest stretch of lines between the two that stays within one room, longest first."""
     found = []
+    insides = [Polygon(room.outline, room.holes).buffer(SAME_LINE_M) for room in rooms]
+    shapely.prepare(insides)
     for pair in facing_pairs(faces):
         places = np.arange(pair.low_m + STEP_M / 2, pair.high_m, STEP_M)
         lines = [LineString([point_on(faces[pair.lower], at), point_on(faces[pair.upper], at)]) for at in places]
-        for room in rooms:
-            within = shapely.covers(Polygon(room.outline, room.holes).buffer(SAME_LINE_M), lines)
+        for room, inside in zip(rooms, insides, strict=True):
+            within = shapely.covers(inside, lines)
             first, last = max(spans(within), key=lambda span: span[1] - span[0], default=(0, 0))
             if (last - first) * STEP_M >= MIN_SHARED_M:
                 found.append(RoomStretch(pair, room.id, float(places[first]), float(places[last - 1])))

@@ -45,13 +45,14 @@ class RefinedOdometry:
     """Poses (N, 3) x, y, yaw in the odometry's world; `matched (N,)` share of each sweep's surfaces that fitted the map.
 
     `step_covariance (N, 3, 3)` of the step that ends at each sweep, in that world: what surfaces and odometry together say, so
-    that a bare corridor leaves its own direction to the odometry. `node (M,)` sweeps half a metre or 30 degrees apart, with what
-    they saw, `surfaces`.
+    that a bare corridor leaves its own direction to the odometry. `information (N, 3, 3)` of each pose, from its surfaces alone.
+    `node (M,)` sweeps half a metre or 30 degrees apart, with what they saw, `surfaces`.
     """
 
     pose: Array
     matched: Array
     step_covariance: Array
+    information: Array
     node: Array
     surfaces: tuple[SweepSurfaces, ...]
 
@@ -60,6 +61,7 @@ def refine_odometry(source: Source, recording: Recording, progress: Progress = n
     """Match every sweep of a level laser, in time order, with what was seen before it."""
     recorded = level_poses(recording)
     pose, matched, covariance = recorded.copy(), np.zeros(len(recorded)), np.zeros((len(recorded), 3, 3))
+    information = np.zeros((len(recorded), 3, 3))
     around, placed, path_m, trust, nodes = LocalMap(), None, 0.0, _Trust(), _Nodes()
     for k, frame in enumerate(source.frames(range(len(recorded)))):
         step = relative_pose(recorded[k - 1], recorded[k]) if k else np.zeros(3)
@@ -73,10 +75,10 @@ def refine_odometry(source: Source, recording: Recording, progress: Progress = n
                     around.add(seen, best.pose, path_m)
                     placed = best.pose
                 nodes.take(k, best.pose, seen)
-        pose[k], matched[k] = best.pose, best.share
+        pose[k], matched[k], information[k] = best.pose, best.share, best.information
         covariance[k] = np.linalg.inv(best.information + _step_information(step))
         progress(k + 1, len(recorded))
-    return RefinedOdometry(pose, matched, covariance, np.array(nodes.row, dtype=np.int64), tuple(nodes.surfaces))
+    return RefinedOdometry(pose, matched, covariance, information, np.array(nodes.row, dtype=np.int64), tuple(nodes.surfaces))
 
 
 @dataclass

@@ -44,7 +44,7 @@ def drifting(truth: Array, wall: Array, degrees_per_m: float) -> RefinedOdometry
     refined = refine_odometry(swept_room(truth, truth, wall), swept_room(truth, truth, wall).recording)
     wrong = bent(truth, degrees_per_m)
     covariance = np.tile(np.diag((0.01, 0.01, np.radians(0.3))) ** 2, (len(truth), 1, 1))
-    return RefinedOdometry(wrong, refined.matched, covariance, refined.node, refined.surfaces)
+    return RefinedOdometry(wrong, refined.matched, covariance, refined.information, refined.node, refined.surfaces)
 
 
 def as_the_truth_lies(found: Array, truth: Array) -> Array:
