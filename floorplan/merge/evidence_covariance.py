@@ -13,12 +13,14 @@ PENDING = 64  # rank-one updates multiplied out together
 class Joint(NamedTuple):
     """Covariance of the components: `P - U[:r]^T U[:r]`, the r last merges waiting in `U` (PENDING, C) to be multiplied out.
 
-    `component (T,)` which row of `P` each plane of the question belongs to.
+    `component (T,)` which row of `P` each plane of the question belongs to; `spare (C,)` by how much the merges inside a component
+    fit better than they should: their number less their chi-square.
     """
 
     P: Array
     U: Array
     component: Array
+    spare: Array
 
 
 @compiled
@@ -53,4 +55,4 @@ def multiplied_out(joint: Joint) -> tuple[Joint, Array]:
         old = joint.P[kept[i]]
         for j in range(len(kept)):
             P[i, j] = old[kept[j]] - P[i, j]
-    return Joint(P, U, number[joint.component]), number
+    return Joint(P, U, number[joint.component], joint.spare[kept]), number

@@ -7,7 +7,7 @@ import numpy as np
 from floorplan.compiled import compiled
 from floorplan.merge.evidence_covariance import PENDING, Joint, column, multiplied_out
 from floorplan.merge.evidence_futures import better_future
-from floorplan.merge.evidence_live import BLOCK, NEVER, Live, best_pair, condition, join, rivals, score_all, score_block
+from floorplan.merge.evidence_live import BLOCK, NEVER, Live, best_pair, condition, halves_of_one, join, rivals, score_all, score_block
 from floorplan.model.checks import Array
 
 CLEAR = 5.0  # log odds, 150 to 1: a rival weaker by this much (three sigma off) does not make a choice ambiguous
@@ -52,7 +52,7 @@ def decide(question: Question, covariance: Array) -> Decision:
         np.arange(count, dtype=np.int32), np.zeros(blocks), np.zeros(blocks),
     )  # fmt: skip
     final = Live(*(values.copy() for values in live))
-    joint = Joint(np.ascontiguousarray(covariance), np.empty((PENDING, planes)), np.arange(planes))
+    joint = Joint(np.ascontiguousarray(covariance), np.empty((PENDING, planes)), np.arange(planes), np.zeros(planes))
     component, log_evidence = _merge_all(live, final, joint, np.array(MARGINS))
     return Decision(component, final.delta, final.var, final.waiting, log_evidence)
 
@@ -64,22 +64,18 @@ def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[A
     seat, unit = np.full(len(joint.P), -1), np.empty(len(joint.P))
     score_all(live, count)
     while level < len(margins):
-        h = best_pair(live, count)
-        if h < 0:
-            level, moved = (0 if moved else level + 1), False
-            if level < len(margins):
-                live.waiting[:] = False
-                live.open_top[:] = live.top
-            continue
-        chosen = _settled(live, count, joint, r, h, margins[level], unit)
+        chosen = _chosen(live, count, joint, r, margins[level], unit)
+        if chosen < 0 and not moved and level == len(margins) - 1:
+            chosen = halves_of_one(live, count, joint.spare)
+            if chosen >= 0:
+                _gain(live, joint, r, chosen, unit)
         if chosen < 0:
-            live.waiting[h] = True
-            score_block(live, h // BLOCK, count)
+            level, moved = (0 if moved else level + 1), False
+            live.waiting[:] = live.waiting & (level == len(margins))
+            live.open_top[:] = live.top
             continue
         moved, before = True, (live.odds[chosen], live.delta[chosen], live.var[chosen])
         log_evidence += before[0]
-        if chosen != h:
-            _gain(live, joint, r, chosen, unit)
         asked -= _merge(live, count, joint, unit, chosen, seat)
         live.delta[chosen], live.var[chosen] = before[1], before[2]
         joint.U[r] = unit
@@ -93,6 +89,22 @@ def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[A
                 live.first[k], live.second[k] = number[live.first[k]], number[live.second[k]]
     _closed_up(live, final, count)
     return joint.component, log_evidence
+
+
+@compiled
+def _chosen(live: Live, count: int, joint: Joint, r: int, margin: float, unit: Array) -> int:
+    """The pair to merge now, its gain in `unit`, or -1; pairs whose choice is put off are left waiting."""
+    h = best_pair(live, count)
+    while h >= 0:
+        chosen = _settled(live, count, joint, r, h, margin, unit)
+        if chosen >= 0:
+            if chosen != h:
+                _gain(live, joint, r, chosen, unit)
+            return chosen
+        live.waiting[h] = True
+        score_block(live, h // BLOCK, count)
+        h = best_pair(live, count)
+    return -1
 
 
 @compiled
@@ -125,6 +137,7 @@ def _gain(live: Live, joint: Joint, r: int, h: int, unit: Array) -> None:
 def _merge(live: Live, count: int, joint: Joint, unit: Array, h: int, seat: Array) -> int:
     """Condition all pairs on pair h being one plane and join its components; gives back how many pairs are settled by that."""
     keep, gone = live.first[h], live.second[h]
+    joint.spare[keep] += joint.spare[gone] + 1.0 - live.delta[h] ** 2 / live.var[h]
     condition(live, count, unit, live.delta[h] / np.sqrt(live.var[h]))
     for i in range(len(joint.component)):
         if joint.component[i] == gone:

@@ -80,6 +80,22 @@ def best_pair(live: Live, count: int) -> int:
 
 
 @compiled
+def halves_of_one(live: Live, count: int, spare: Array) -> int:
+    """The likeliest pair of components that are one plane split by choosing, or -1.
+
+    Tracks of one plane that each went to the nearer of two offsets leave two halves in which everything fits better than its noise allows.
+    What was gained by choosing is no evidence for two planes: half of the chi-square left unused (`spare`) is given back to the pair.
+    """
+    best, found = 0.0, -1
+    for h in range(count):
+        if live.odds[h] > NEVER and not live.waiting[h]:
+            value = live.odds[h] + 0.5 * max(spare[live.first[h]] + spare[live.second[h]], 0.0)
+            if value > best:
+                best, found = value, h
+    return found
+
+
+@compiled
 def condition(live: Live, count: int, unit: Array, pull: float) -> None:
     """Every pair's distance, variance and score after a merge with gain `unit` (covariance with the merged distance / its sigma)."""
     for block in range(len(live.top)):

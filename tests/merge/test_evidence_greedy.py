@@ -75,3 +75,24 @@ def test_planes_seen_apart_are_never_merged_not_even_through_others() -> None:
     decision = decide(replace(question, apart=barred), covariance)
     assert (decision.plane == decision.plane[0]).sum() == 1
     assert len(np.unique(decision.plane)) == len(np.unique(true)) + 1
+
+
+def tracks_of_levels(seed: int, apart_m: float) -> tuple[Question, np.ndarray]:
+    """48 tracks of 5 mm each, half of them `apart_m` higher: every pair in question, and their covariance."""
+    sigma_m, count = 0.005, 48
+    offset = np.random.default_rng(seed).normal(0, sigma_m, count) + np.repeat([0, apart_m], count // 2)
+    a, b = np.triu_indices(count, 1)
+    size = len(a)
+    prior = np.full(size, 4.0 - np.log(0.5))  # surfaces that overlap, one distinct level in two metres
+    question = Question(a, b, offset[a] - offset[b], np.full(size, 2 * sigma_m**2), prior, np.zeros(size, dtype=bool))
+    return question, sigma_m**2 * np.eye(count)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_one_level_is_not_split_by_each_track_choosing_the_nearer_half_and_two_levels_stay_two(seed: int) -> None:
+    """Of these seeds three were split, 8 mm apart and 5 sigma of the halves' means."""
+    assert len(np.unique(decide(*tracks_of_levels(seed, 0.0)).plane)) == 1
+    assert len(np.unique(decide(*tracks_of_levels(seed, 0.015)).plane)) == 2
+    plane = decide(*tracks_of_levels(seed, 0.05)).plane
+    assert len(np.unique(plane[:24])) == len(np.unique(plane[24:])) == 1
+    assert plane[0] != plane[-1]
