@@ -46,9 +46,10 @@ def edit_plan(plan: Plan, edits: Edits) -> Edited:
 
 def _edited_storey(plan: Plan, edits: Edits) -> Plan:
     names, kinds = {e.id: e.name for e in edits.room}, {e.id: e.kind for e in edits.opening}
-    walls = tuple(wall for wall in plan.walls if wall.id not in edits.delete)
+    unwanted = {*edits.delete, *edits.furniture}  # furniture without segments of its own comes back as a wall: deleted all the same
+    walls = tuple(wall for wall in plan.walls if wall.id not in unwanted)
     standing = {face for wall in walls for face in wall.faces}
-    gone = {face for wall in plan.walls if wall.id in edits.delete for face in wall.faces} - standing
+    gone = {face for wall in plan.walls if wall.id in unwanted for face in wall.faces} - standing
     return replace(
         plan,
         rooms=tuple(replace(room, name=names.get(room.id, room.name)) for room in plan.rooms),

@@ -68,7 +68,11 @@ class _Prediction:
 
 
 def calibrate(graph: LayoutGraph, merged: MergeResult, plain: LayoutSolution, spans: tuple[Span, ...]) -> LayoutSolution:
-    """The re-solve with the measured distances; `calibration` tells what each one did. `plain` is the re-solve without them."""
+    """The re-solve with the measured distances; `calibration` tells what each one did. `plain` is the re-solve without them.
+
+    Spans to planes that the solution does not know (glimpsed ones, which the plan adds) say nothing of it and are left out.
+    """
+    spans = tuple(span for span in spans if max(span.lower, span.upper) < len(plain.plane_offset_m))
     if not spans or plain.plane_covariance_m2 is None or merged.noise is None:
         return plain
     ties = _ties(plain, spans)

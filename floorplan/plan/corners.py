@@ -70,10 +70,12 @@ def _corner(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: 
             continue
         gap = (other.offset_m - at) * direction
         looks_back = other.facing == -direction
-        # Rays passed beyond this end: it is where it was seen, nothing but a surface that looks back along it can end it elsewhere.
-        if is_open and (gap > 2 * MIN_SIDE_M or (gap < -2 * MIN_SIDE_M and not looks_back)):
-            continue
         side = face.facing if looks_back else -face.facing  # inner corner, or outer
+        # Rays passed beyond this end: it is where it was seen, nothing but a surface that looks back along it can end it elsewhere,
+        # or an edge that both surfaces end at: trails of flying points lengthen them.
+        edge = not looks_back and gap > -JAMB_MISMATCH_M and _near_end_m(other, face.offset_m, side) < JAMB_MISMATCH_M
+        if is_open and (gap > 2 * MIN_SIDE_M or (gap < -2 * MIN_SIDE_M and not looks_back and not edge)):
+            continue
         nearer = best is None or abs(gap) < abs(best.offset_m - at)
         if nearer and _reaches_side(other, face.offset_m, side, reach_m):
             best = other
@@ -82,8 +84,14 @@ def _corner(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: 
 
 def _reaches_side(face: FaceRun, offset_m: float, side: int, reach_m: float) -> bool:
     """Whether `face` extends to `side` of the line at `offset_m` and comes within `reach_m` of it."""
-    near, far = (face.start_m, face.end_m) if side > 0 else (face.end_m, face.start_m)
+    far = face.end_m if side > 0 else face.start_m
+    near = face.start_m if side > 0 else face.end_m
     return (far - offset_m) * side > MIN_SIDE_M and (near - offset_m) * side < reach_m
+
+
+def _near_end_m(face: FaceRun, offset_m: float, side: int) -> float:
+    """How far the end of `face` that lies away from `side` is from the line at `offset_m`."""
+    return abs((face.start_m if side > 0 else face.end_m) - offset_m)
 
 
 def agreed_jambs(faces: tuple[FaceRun, ...], pairs: tuple[tuple[int, int], ...]) -> tuple[FaceRun, ...]:

@@ -14,7 +14,7 @@ from floorplan.plan.faces import Reason
 from floorplan.plan.surface_evidence import PlaneEvidence
 
 BOTH_HIT_SHARE = 0.3  # share of the common columns in which rays hit both surfaces at wall height
-CLEARLY = 3.0  # times the rays of the other on the common stretch: there it is the real one, however long the other is elsewhere
+CLEARLY = 2.0  # times the rays of the other on the common stretch: there it is the real one, however long the other is elsewhere
 
 
 def without_doubles(

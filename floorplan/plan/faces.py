@@ -18,7 +18,7 @@ MIN_POST_M, MAX_POST_M = 0.06, 0.40  # of a pier between two openings: wider is 
 MIN_POST_HEIGHT = 0.7  # of the wall band's rows that a pier must be hit in
 TOP_WINDOW_M = 0.4  # how far below the highest evidence "seen over the top" looks
 SPARSE_COLUMNS = 3  # points of one surface lie no farther apart than this when it was really looked at
-MIN_OF_BLOCKED = 0.1  # a run hit less often than this share of what stands right before it is made of stray readings
+MIN_OF_BLOCKED = 0.1  # what is hit less often than this share of what stands right before it is hit by stray readings alone
 SMOOTH_COLUMNS = 2  # neighbours on each side whose rays are counted along with a column's own near the top
 
 
@@ -33,6 +33,7 @@ class Reason(StrEnum):
     FEW_FRAMES = "seen in too few frames"
     DOUBLED = "doubled by a better supported face"
     REFLECTION = "mirrored by glass"
+    PANE = "pane of a window"
 
 
 @dataclass(frozen=True)
@@ -100,10 +101,11 @@ def judge_columns(evidence: PlaneEvidence, config: PlanConfig, heights: bool) ->
     nothing = np.zeros(len(hits), dtype=bool)
     if not heights:
         return ColumnVerdict((hits > passes), passes >= np.maximum(hits, 1e-9), nothing, nothing)
-    top_hits, top_passes = _near_the_top(evidence, high)
-    over_top = top_passes > top_hits
-    hidden = (blocked > 0) & (hits + passes == 0) & (top_hits > top_passes)
-    wall = ((hits > passes) | hidden) & ~over_top
+    top = _near_the_top(evidence, high)
+    over_top = top.passes > top.hits
+    struck = (hits > passes) & (hits >= MIN_OF_BLOCKED * blocked)
+    hidden = (hits + passes < MIN_OF_BLOCKED * blocked) & (top.hits > top.passes) & (top.hits >= MIN_OF_BLOCKED * top.blocked)
+    wall = (struck | hidden) & ~over_top
     any_low = evidence.hits[:, :low].sum(axis=1) > 0
     wall = _continued(wall, any_low & (_rays_above(evidence, low) == 0))
     return ColumnVerdict(wall, passes > hits, any_low & ~wall & ~(hits > 0), over_top & (hits > passes))
@@ -124,17 +126,27 @@ def _continued(wall: Array, unseen_above: Array) -> Array:
     return grown
 
 
-def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> tuple[Array, Array]:
-    """Hits and passes (U,) in the rows just below the highest ray of each column, its neighbours' rays included."""
+@dataclass(frozen=True)
+class _TopCounts:
+    """Rays (U,) near the top of what was looked at."""
+
+    hits: Array
+    passes: Array
+    blocked: Array
+
+
+def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> _TopCounts:
+    """The rays in the rows just below the highest ray that reached each column, its neighbours' rays included."""
     kernel = np.ones(2 * SMOOTH_COLUMNS + 1)
-    hits, passes = (np.apply_along_axis(np.convolve, 0, counts, kernel, mode="same") for counts in (evidence.hits, evidence.passes))
+    all_counts = (evidence.hits, evidence.passes, evidence.blocked)
+    hits, passes, blocked = (np.apply_along_axis(np.convolve, 0, counts, kernel, mode="same") for counts in all_counts)
     rows = hits.shape[1]
     any_ray = hits + passes > 0
     top_row = np.where(any_ray.any(axis=1), rows - 1 - np.argmax(any_ray[:, ::-1], axis=1), 0)
     window = round(TOP_WINDOW_M / evidence.up_step_m)
     row = np.arange(rows)[None, :]
     inside = (row <= top_row[:, None]) & (row > top_row[:, None] - window) & (row >= band_top_row - window)
-    return (hits * inside).sum(axis=1), (passes * inside).sum(axis=1)
+    return _TopCounts(*((counts * inside).sum(axis=1) for counts in (hits, passes, blocked)))
 
 
 def _runs_of_plane(

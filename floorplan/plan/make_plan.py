@@ -9,7 +9,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution
 from floorplan.model.plan import Dimension, Plan, PlanPlane, Rejection, Room
 from floorplan.model.scan import IngestedScan, Trajectory
-from floorplan.model.segment import FreePatches, SegmentedScan, Tracks
+from floorplan.model.segment import NO_SEGMENT, FreePatches, SegmentedScan, Tracks
 from floorplan.plan.behind_glass import walls_behind_glass
 from floorplan.plan.bodies import Body, bodies_of, junction_blocks, paired_faces, solid
 from floorplan.plan.chains import outside_chains
@@ -25,6 +25,7 @@ from floorplan.plan.glazing import as_glazing, glazed_lines
 from floorplan.plan.notes import plan_notes, through_glass_notes
 from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
+from floorplan.plan.overlooked import with_overlooked
 from floorplan.plan.panes import paned_gaps
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
 from floorplan.plan.posts import standing_posts
@@ -33,6 +34,7 @@ from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.storeys import floor_heights_m, frames_of_storeys, patches_of, stacked, storeys
 from floorplan.plan.surface_evidence import PlaneEvidence, surface_evidence
 from floorplan.plan.walls import draw_walls, without_columns
+from floorplan.plan.window_panes import pane_rejections, panes_of_windows, without_panes
 
 DRAWN_POINTS = 20_000  # evidence points kept for the drawing: enough to see, few enough for any CAD program
 
@@ -42,6 +44,7 @@ def make_plan(
 ) -> Plan:
     """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
     world = _framed(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)), solution)
+    world = with_overlooked(world, segmented.evidence.segment == NO_SEGMENT, segmented.free_patches, config)
     levels = storeys(world)
     if len(levels) == 1:
         return storey_plan(world, segmented.free_patches, solution, config)
@@ -52,7 +55,7 @@ def make_plan(
 
 def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig) -> Plan:
     """The plan of one storey; `patches` of its frames."""
-    planes, covariance = plan_planes(world, solution), joint_covariance(solution)
+    planes, covariance = plan_planes(world, solution), joint_covariance(world, solution)
     ids = tuple(plane.id for plane in planes)
     surfaces = wall_surfaces(world, config)
     faces, bodies, gaps = surfaces.faces, surfaces.bodies, surfaces.gaps
@@ -84,7 +87,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
         columns=as_columns(columns),
         dimensions=_dimensions(faces, rooms, levels, planes, covariance),
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
-        plane_covariance_m2=solution.plane_covariance_m2,
+        plane_covariance_m2=None if solution.plane_covariance_m2 is None else covariance,
         evidence_xy_m=_drawn_points(world, config),
         rejections=surfaces.rejections + through.rejections,
         notes=plan_notes(rooms, lines, world.heights, world.floor_seen) + through_glass_notes(walls, drawing.faces, glimpsed),
@@ -120,11 +123,13 @@ def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
     walls, slender = (tuple(_face_run(run, world) for run in runs) for runs in (found.runs, found.posts))
     single, doubled = without_doubles(walls + standing_posts(slender, walls), evidence, config, world.heights)
     faces = joined_corners(single, config.max_bridged_gap_m)
+    panes = panes_of_windows(faces, find_gaps(faces, evidence, config, world.heights), config)
+    faces = joined_corners(without_panes(single, panes), config.max_bridged_gap_m)
     pairs = paired_faces(faces, config)
     faces = agreed_jambs(faces, pairs)
     gaps = find_gaps(faces, evidence, config, world.heights)
     thick = frozenset(index for pair in pairs for index in pair)
-    return WallSurfaces(faces, bodies_of(faces, pairs), gaps, thick, found.rejections + doubled, evidence)
+    return WallSurfaces(faces, bodies_of(faces, pairs), gaps, thick, found.rejections + doubled + pane_rejections(single, panes), evidence)
 
 
 def _framed(world: PlanWorld, solution: LayoutSolution) -> PlanWorld:
@@ -133,11 +138,13 @@ def _framed(world: PlanWorld, solution: LayoutSolution) -> PlanWorld:
     return in_plan_frame(world) if known is None else in_plan_frame(world, known.plan_quarters, known.plan_shift_m)
 
 
-def joint_covariance(solution: LayoutSolution) -> Array:
-    """The planes' joint covariance; independent planes where the solution came without one."""
+def joint_covariance(world: PlanWorld, solution: LayoutSolution) -> Array:
+    """The planes' joint covariance; independent planes where the solution came without one, and where they are no part of it."""
+    known = len(solution.plane_offset_m)
+    covariance = np.diag(world.plane_sigma_m**2)
     if solution.plane_covariance_m2 is not None:
-        return solution.plane_covariance_m2
-    return np.diag(solution.plane_sigma_m**2)
+        covariance[:known, :known] = solution.plane_covariance_m2
+    return covariance
 
 
 def plan_planes(world: PlanWorld, solution: LayoutSolution) -> tuple[PlanPlane, ...]:
