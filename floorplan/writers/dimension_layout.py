@@ -47,24 +47,31 @@ class _Placer:
     def place(self, dimension: Dimension, room: Polygon | None) -> PlacedDimension | None:
         text = dimension_label(dimension, self.units)
         width = self.scale.model_m(text_width(text, TEXT_HEIGHT_MM))
-        best, best_cost = None, math.inf
-        for spot in spots(dimension, width, self.scale):
-            if spot.cost >= best_cost:
-                continue
-            cost = spot.cost + self.words_cost(spot.text_box)
-            if cost < best_cost:
-                cost += self.line_cost(spot, dimension, room)
-            if cost < best_cost:
-                best, best_cost = spot, cost
-        if best is None:
-            raise ValueError(f"dimension {dimension.id} has no finite place: {dimension}")
-        aside = self.led_aside(dimension, width, room) if best_cost >= COLLIDES else None
-        if aside is None and best_cost >= TEXT_WEIGHT:
+        best, cost = self.cheapest(dimension, width, room)
+        aside = self.led_aside(dimension, width, room) if cost >= COLLIDES else None
+        if aside is None and cost >= TEXT_WEIGHT:
             return None
         return self.settled(dimension, text, *(aside or (best, None)))
 
-    def words_cost(self, box: Rectangle) -> float:
-        return self.occupied.cost(box) + (0.0 if self.field.holds(box) else OFF_FIELD_COST)
+    def cheapest(self, dimension: Dimension, width: float, room: Polygon | None) -> tuple[Spot, float]:
+        """The spot that collides least, and what it costs."""
+        best, best_cost = None, math.inf
+        for line in spots(dimension, width, self.scale):
+            if all(spot.cost >= best_cost for spot in line):
+                break  # the lines farther aside cost more by themselves
+            for spot, words in zip(line, self.words_costs([spot.text_box for spot in line]), strict=True):
+                cost = spot.cost + words
+                if cost < best_cost:
+                    cost += self.line_cost(spot, dimension, room)
+                if cost < best_cost:
+                    best, best_cost = spot, cost
+        if best is None:
+            raise ValueError(f"dimension {dimension.id} has no finite place: {dimension}")
+        return best, best_cost
+
+    def words_costs(self, boxes: list[Rectangle]) -> list[float]:
+        costs = self.occupied.costs(boxes)
+        return [float(cost) + (0.0 if self.field.holds(box) else OFF_FIELD_COST) for box, cost in zip(boxes, costs, strict=True)]
 
     def line_cost(self, spot: Spot, dimension: Dimension, room: Polygon | None) -> float:
         """What the line alone costs: words under it, a wall or a door along it, a room left."""
@@ -78,7 +85,7 @@ class _Placer:
 
     def led_aside(self, dimension: Dimension, width: float, room: Polygon | None) -> tuple[Spot, tuple[Point, Point]] | None:
         """The nearest free place for the words off their line, and the leader to it; None where there is none."""
-        lines = {spot.across: spot for spot in spots(dimension, width, self.scale) if not spot.reaches_beyond}
+        lines = {spot.across: spot for line in spots(dimension, width, self.scale) for spot in line if not spot.reaches_beyond}
         costs = {across: spot.cost + self.line_cost(spot, dimension, room) for across, spot in lines.items()}
         for across in sorted(lines, key=lambda key: costs[key])[:LINES]:
             if costs[across] >= COLLIDES:
@@ -94,12 +101,14 @@ class _Placer:
 
     def free_centre(self, foot: Point, width: float) -> Point | None:
         """The nearest centre for words that lie on nothing and whose leader crosses no words and, if it can be helped, no wall."""
-        centres = list(_around(foot, self.scale.model_m(STEP_MM)))
-        boxes = [text_box(centre, width, self.scale, 0.0) for centre in centres]
-        free = [self.field.holds(box) for box in boxes] & self.occupied.free(boxes, 0.0)
+        around = _around(foot, self.scale.model_m(STEP_MM))
+        places = [(centre, text_box(centre, width, self.scale, 0.0)) for centre in around]
+        places = [(centre, box) for centre, box in places if self.field.holds(box)]
+        free = self.occupied.free([box for _, box in places], 0.0)
+        centres = [places[k][0] for k in np.flatnonzero(free)]
         leaders = [Rectangle.around((foot, centre)) for centre in centres]
         for barrier in (WALL_WEIGHT, TEXT_WEIGHT):
-            open_to = np.flatnonzero(free & self.occupied.free(leaders, barrier))
+            open_to = np.flatnonzero(self.occupied.free(leaders, barrier))
             if len(open_to):
                 return centres[int(open_to[0])]
         return None

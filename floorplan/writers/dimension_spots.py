@@ -47,14 +47,14 @@ def point_at(axis: int, along: float, across: float) -> Point:
     return (along, across) if axis == 0 else (across, along)
 
 
-def spots(dimension: Dimension, width: float, scale: Scale) -> Iterator[Spot]:
-    """Every place to try for a text of `width` (plan metres): on the plan's own line, then ever farther to both sides of it."""
+def spots(dimension: Dimension, width: float, scale: Scale) -> Iterator[tuple[Spot, ...]]:
+    """Every place to try for a text of `width` (plan metres), line by line: the plan's own, then ever farther aside and ever dearer."""
     across = dimension.line[1 - dimension.axis]
     step = scale.model_m(STEP_MM)
-    yield from _along(dimension, across, width, scale, 0.0)
+    yield tuple(_along(dimension, across, width, scale, 0.0))
     for count in range(1, SIDE_STEPS + 1):
         for way in (1.0, -1.0):
-            yield from _along(dimension, across + way * count * step, width, scale, count * ASIDE_COST)
+            yield tuple(_along(dimension, across + way * count * step, width, scale, count * ASIDE_COST))
 
 
 def _along(dimension: Dimension, across: float, width: float, scale: Scale, cost: float) -> Iterator[Spot]:

@@ -42,6 +42,9 @@ class Rectangle:
         """The box around this one and all others."""
         return Rectangle.around(corner for box in (self, *others) for corner in ((box.x0, box.y0), (box.x1, box.y1)))
 
+    def moved(self, x: float, y: float) -> "Rectangle":
+        return Rectangle(self.x0 + x, self.y0 + y, self.x1 + x, self.y1 + y)
+
     def grown(self, by: float) -> "Rectangle":
         """Larger by as much on every side."""
         return Rectangle(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
@@ -68,34 +71,43 @@ class Occupancy:
 
     def cost(self, box: Rectangle, at_least: float = 0.0) -> float:
         """Summed weight of the boxes that `box` overlaps, of those that weigh `at_least` so much."""
-        boxes, weights = self._table()
-        return float(weights[_overlap(boxes, box) & (weights >= at_least)].sum())
+        taken, weights = self._table()
+        return float(weights[_overlap(taken, box) & (weights >= at_least)].sum())
 
     def free(self, boxes: Sequence[Rectangle], at_least: float) -> Array:
         """Which (M,) of `boxes` overlap nothing that weighs `at_least` so much."""
         taken, weights = self._table()
-        taken = taken[weights >= at_least][None]
-        asked = np.array([(box.x0, box.y0, box.x1, box.y1) for box in boxes])[:, None]
-        apart = (taken[..., 0] >= asked[..., 2]) | (taken[..., 2] <= asked[..., 0])
-        apart |= (taken[..., 1] >= asked[..., 3]) | (taken[..., 3] <= asked[..., 1])
-        return np.asarray(apart.all(axis=1))
+        return np.asarray(~_overlaps(boxes, taken[:, weights >= at_least]).any(axis=1))
+
+    def costs(self, boxes: Sequence[Rectangle]) -> Array:
+        """`cost` of each (M,) of `boxes`."""
+        taken, weights = self._table()
+        return np.asarray(_overlaps(boxes, taken) @ weights)
 
     def covered_share(self, box: Rectangle, axis: int, weight: float) -> float:
         """Share of the length of `box` along `axis` that boxes of that weight cover, but for its ends, which may touch walls."""
-        boxes, weights = self._table()
+        taken, weights = self._table()
         low, high = (box.x0, box.x1) if axis == 0 else (box.y0, box.y1)
         shrink = ENDS_SHARE * (high - low)
         low, high = low + shrink, high - shrink
-        over = boxes[_overlap(boxes, box) & (weights == weight)]
-        covered = np.minimum(over[:, 2 + axis], high) - np.maximum(over[:, axis], low)
+        over = taken[:, _overlap(taken, box) & (weights == weight)]
+        covered = np.minimum(over[2 + axis], high) - np.maximum(over[axis], low)
         return float(np.clip(covered, 0.0, None).sum() / (high - low)) if high > low else 0.0
 
     def _table(self) -> tuple[Array, Array]:
+        """The boxes (4, N) as x0, y0, x1, y1, and their weights (N,)."""
         if self._arrays is None:
-            self._arrays = np.asarray(self._boxes, dtype=float).reshape(-1, 4), np.asarray(self._weights, dtype=float)
+            columns = np.ascontiguousarray(np.asarray(self._boxes, dtype=float).reshape(-1, 4).T)
+            self._arrays = columns, np.asarray(self._weights, dtype=float)
         return self._arrays
 
 
-def _overlap(boxes: Array, box: Rectangle) -> Array:
-    """Which of `boxes` (N, 4) a box overlaps."""
-    return np.asarray((boxes[:, 0] < box.x1) & (boxes[:, 2] > box.x0) & (boxes[:, 1] < box.y1) & (boxes[:, 3] > box.y0))
+def _overlap(taken: Array, box: Rectangle) -> Array:
+    """Which (N,) of the boxes `taken` (4, N) a box overlaps."""
+    return np.asarray((taken[0] < box.x1) & (taken[2] > box.x0) & (taken[1] < box.y1) & (taken[3] > box.y0))
+
+
+def _overlaps(boxes: Sequence[Rectangle], taken: Array) -> Array:
+    """Which of `boxes` and `taken` (4, N) overlap, (M, N)."""
+    asked = np.array([(box.x0, box.y0, box.x1, box.y1) for box in boxes], dtype=float).reshape(-1, 4).T[:, :, None]
+    return np.asarray((taken[0] < asked[2]) & (taken[2] > asked[0]) & (taken[1] < asked[3]) & (taken[3] > asked[1]))

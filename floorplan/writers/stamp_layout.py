@@ -1,9 +1,13 @@
 """Room stamps: their lines, and a place inside the room clear of dimensions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shapely import Polygon, box
+import numpy as np
+import shapely
+from shapely import Polygon
 
+from floorplan.model.checks import Array
 from floorplan.model.plan import Plan, Point, Room
 from floorplan.writers.occupancy import TEXT_WEIGHT, Occupancy, Rectangle
 from floorplan.writers.scale import Scale
@@ -88,22 +92,24 @@ def _place(room: Room, lines: tuple[StampLine, ...], scale: Scale, occupied: Occ
     places = (room.label, *_grid(polygon))
     best, best_cost = PlacedStamp(room, lines, room.label, 1.0), float("inf")
     for size, number_only, form_cost in forms:
-        for centre in places:
-            stamp = PlacedStamp(room, lines, centre, size, number_only)
-            cost = form_cost + _cost(stamp, polygon, scale, occupied)
-            if cost < best_cost:
-                best, best_cost = stamp, cost
+        if form_cost >= best_cost:
+            break
+        costs = form_cost + _costs(PlacedStamp(room, lines, room.label, size, number_only), places, polygon, scale, occupied)
+        cheapest = int(np.argmin(costs))
+        if costs[cheapest] < best_cost:
+            best, best_cost = PlacedStamp(room, lines, places[cheapest], size, number_only), costs[cheapest]
     occupied.add(stamp_rectangle(best, scale), TEXT_WEIGHT)
     return best
 
 
-def _cost(stamp: PlacedStamp, polygon: Polygon, scale: Scale, occupied: Occupancy) -> float:
+def _costs(stamp: PlacedStamp, places: Sequence[Point], polygon: Polygon, scale: Scale, occupied: Occupancy) -> Array:
+    """What a stamp costs at each (M,) of `places`: what it covers, how far it is from the label point, whether it leaves its room."""
     x0, y0, x1, y1 = polygon.bounds
-    label, centre = stamp.room.label, stamp.centre
-    rectangle = stamp_rectangle(stamp, scale)
-    cost: float = occupied.cost(rectangle) + DISTANCE_COST * (abs(centre[0] - label[0]) + abs(centre[1] - label[1])) / max(x1 - x0, y1 - y0)
-    inside: bool = polygon.covers(box(rectangle.x0, rectangle.y0, rectangle.x1, rectangle.y1))
-    return cost if inside else cost + OUTSIDE_COST
+    here, centre, label = stamp_rectangle(stamp, scale), stamp.centre, stamp.room.label
+    boxes = [here.moved(place[0] - centre[0], place[1] - centre[1]) for place in places]
+    away = np.abs(np.array(places) - label).sum(axis=1) / max(x1 - x0, y1 - y0)
+    inside = shapely.covers(polygon, [shapely.box(box.x0, box.y0, box.x1, box.y1) for box in boxes])
+    return np.asarray(occupied.costs(boxes) + DISTANCE_COST * away + np.where(inside, 0.0, OUTSIDE_COST))
 
 
 def _grid(polygon: Polygon) -> list[Point]:
