@@ -108,7 +108,7 @@ def _room_stretches(faces: tuple[FaceRun, ...], rooms: tuple[Room, ...]) -> list
     shapely.prepare(insides)
     for pair in facing_pairs(faces):
         places = np.arange(pair.low_m + STEP_M / 2, pair.high_m, STEP_M)
-        lines = [LineString([point_on(faces[pair.lower], at), point_on(faces[pair.upper], at)]) for at in places]
+        lines = shapely.linestrings([(point_on(faces[pair.lower], at), point_on(faces[pair.upper], at)) for at in places])
         for room, inside in zip(rooms, insides, strict=True):
             within = shapely.covers(inside, lines)
             first, last = max(spans(within), key=lambda span: span[1] - span[0], default=(0, 0))

@@ -137,9 +137,7 @@ class _TopCounts:
 
 def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> _TopCounts:
     """The rays in the rows just below the highest ray that reached each column, its neighbours' rays included."""
-    kernel = np.ones(2 * SMOOTH_COLUMNS + 1)
-    all_counts = (evidence.hits, evidence.passes, evidence.blocked)
-    hits, passes, blocked = (np.apply_along_axis(np.convolve, 0, counts, kernel, mode="same") for counts in all_counts)
+    hits, passes, blocked = (_with_neighbours(counts) for counts in (evidence.hits, evidence.passes, evidence.blocked))
     rows = hits.shape[1]
     any_ray = hits + passes > 0
     top_row = np.where(any_ray.any(axis=1), rows - 1 - np.argmax(any_ray[:, ::-1], axis=1), 0)
@@ -147,6 +145,12 @@ def _near_the_top(evidence: PlaneEvidence, band_top_row: int) -> _TopCounts:
     row = np.arange(rows)[None, :]
     inside = (row <= top_row[:, None]) & (row > top_row[:, None] - window) & (row >= band_top_row - window)
     return _TopCounts(*((counts * inside).sum(axis=1) for counts in (hits, passes, blocked)))
+
+
+def _with_neighbours(counts: Array) -> Array:
+    """`counts (U, Z)` summed over each column and SMOOTH_COLUMNS on each side of it."""
+    around = np.pad(counts, ((SMOOTH_COLUMNS, SMOOTH_COLUMNS), (0, 0)))
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(around, 2 * SMOOTH_COLUMNS + 1, axis=0).sum(axis=2))
 
 
 def _runs_of_plane(

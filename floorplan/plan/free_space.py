@@ -58,11 +58,12 @@ def _crossed_cells(world: PlanWorld) -> tuple[Array, Array]:
     """Lower left corner (2,) of the grid, and which of its cells were crossed by MIN_RAYS."""
     from floorplan.plan.ray_kernels import mark_free
 
-    xy = np.concatenate((world.point_m[:, :2], world.trajectory.position_m[:, :2]))
-    if not len(xy):
+    parts = [part[:, :2] for part in (world.point_m, world.trajectory.position_m) if len(part)]
+    if not parts:
         return np.zeros(2), np.zeros((1, 1), dtype=bool)
-    corner = np.floor(xy.min(axis=0) / CELL_M) * CELL_M - CELL_M
-    size = np.ceil((xy.max(axis=0) - corner) / CELL_M).astype(int) + 2
+    low, high = np.min([part.min(axis=0) for part in parts], axis=0), np.max([part.max(axis=0) for part in parts], axis=0)
+    corner = np.floor(low / CELL_M) * CELL_M - CELL_M
+    size = np.ceil((high - corner) / CELL_M).astype(int) + 2
     crossed = np.zeros(tuple(size), dtype=np.int32)
     mark_free(world.trajectory.position_m, world.point_m, world.point_frame, tolerance_m(world), corner, CELL_M, crossed)
     return corner, crossed >= MIN_RAYS

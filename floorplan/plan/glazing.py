@@ -130,11 +130,12 @@ def _regular(posts: Array) -> Array | None:
 
 def _seen_through(world: PlanWorld, axis: int, offset: float, posts: Array) -> bool:
     """Whether rays crossed the line between all neighbouring posts."""
-    sensor = world.trajectory.position_m[world.point_frame]
-    before, beyond = sensor[:, axis] - offset, world.point_m[:, axis] - offset
-    through = (before * beyond < 0) & (np.abs(beyond) > 2 * LINE_HALF_WIDTH_M)
+    sensor = world.trajectory.position_m
+    before, beyond = sensor[world.point_frame, axis] - offset, world.point_m[:, axis] - offset
+    through = np.flatnonzero((before * beyond < 0) & (np.abs(beyond) > 2 * LINE_HALF_WIDTH_M))
     t = before[through] / (before - beyond)[through]
-    along = sensor[through, 1 - axis] + t * (world.point_m[through, 1 - axis] - sensor[through, 1 - axis])
+    start = sensor[world.point_frame[through], 1 - axis]
+    along = start + t * (world.point_m[through, 1 - axis] - start)
     counts = np.histogram(along, bins=posts)[0]
     return bool((counts >= MIN_RAYS_BETWEEN).all())
 

@@ -29,7 +29,7 @@ from floorplan.plan.overlooked import with_overlooked
 from floorplan.plan.panes import paned_gaps
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
 from floorplan.plan.posts import standing_posts
-from floorplan.plan.room_facts import RoomHeight, described, height_dimensions, room_height
+from floorplan.plan.room_facts import RoomHeight, described, height_dimensions, level_points, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.storeys import floor_heights_m, frames_of_storeys, patches_of, stacked, storeys
 from floorplan.plan.surface_evidence import PlaneEvidence, surface_evidence
@@ -70,7 +70,8 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     path = world.trajectory.position_m[:, :2]
     openings = with_walls(find_openings(gaps, faces, path, surfaces.thick, config), walls)
     bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, free_space(world), path), config)
-    levels = tuple(room_height(room, world) for room in bare_rooms)
+    level = level_points(world)
+    levels = tuple(room_height(room, level, world) for room in bare_rooms)
     rooms = described(bare_rooms, levels, faces, planes, covariance)
     lines = free_lines(patches, world, faces, config)
     return Plan(
@@ -170,4 +171,4 @@ def _drawn_points(world: PlanWorld, config: PlanConfig) -> Array:
     z = world.point_m[:, 2]
     chosen = np.flatnonzero((z > config.wall_band_low_m) & (z < config.wall_band_high_m)) if world.heights else np.arange(len(z))
     step = max(1, len(chosen) // DRAWN_POINTS)
-    return np.round(world.point_m[chosen[::step], :2], 3)
+    return np.round(world.point_m[chosen[::step], :2].astype(np.float64), 3)

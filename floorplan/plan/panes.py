@@ -43,7 +43,7 @@ def paned_gaps(
         return ()
     z = world.point_m[:, 2]
     rows = np.flatnonzero((z > config.wall_band_low_m) & (z < config.wall_band_high_m))
-    rays = _Rays(world.trajectory.position_m[world.point_frame[rows]], world.point_m[rows])
+    rays = _Rays(world.trajectory.position_m, world.point_frame[rows], world.point_m[rows])
     windows = [(faces[gap.face].axis, faces[gap.face].offset_m, gap.start_m, gap.end_m) for gap in gaps if gap.is_window]
     found: list[GlazedLine] = []
     for stretch in _stretches(faces, config):
@@ -85,9 +85,10 @@ def _overlaps(stretch: _Stretch, axis: int, offset_m: float, start_m: float, end
 
 @dataclass(frozen=True)
 class _Rays:
-    """The rays that end at wall height: `sensor_m (R, 3)` where they begin, `point_m (R, 3)` where they end."""
+    """The rays that end at wall height: they begin at `sensor_m (F, 3)` of their `frame (R,)` and end at `point_m (R, 3)`."""
 
     sensor_m: Array
+    frame: Array
     point_m: Array
 
 
@@ -125,9 +126,9 @@ def _densest(depth: Array) -> float:
 
 def _through(rays: _Rays, axis: int, offset: float, edges: Array) -> Array:
     """How many rays crossed the line in each bin, ending clearly beyond it."""
-    point, sensor = rays.point_m, rays.sensor_m
-    before, beyond = sensor[:, axis] - offset, point[:, axis] - offset
-    crossed = (before * beyond < 0) & (np.abs(beyond) > 2 * LINE_HALF_WIDTH_M)
+    before, beyond = rays.sensor_m[rays.frame, axis] - offset, rays.point_m[:, axis] - offset
+    crossed = np.flatnonzero((before * beyond < 0) & (np.abs(beyond) > 2 * LINE_HALF_WIDTH_M))
     share = before[crossed] / (before - beyond)[crossed]
-    along = sensor[crossed, 1 - axis] + share * (point[crossed, 1 - axis] - sensor[crossed, 1 - axis])
+    start = rays.sensor_m[rays.frame[crossed], 1 - axis]
+    along = start + share * (rays.point_m[crossed, 1 - axis] - start)
     return np.histogram(along, bins=edges)[0]

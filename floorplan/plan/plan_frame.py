@@ -8,13 +8,14 @@ import numpy as np
 from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutSolution
-from floorplan.model.scan import IngestedScan, SensorKind, Trajectory
-from floorplan.model.segment import AXIS_X, AXIS_Y, AXIS_Z, NO_SEGMENT, NO_TRACK, SegmentedScan, Tracks
+from floorplan.model.scan import IngestedScan, NoiseModel, SensorKind, Trajectory
+from floorplan.model.segment import AXIS_X, AXIS_Y, AXIS_Z, NO_TRACK, EvidencePoints, SegmentedScan, Tracks
 
 NO_PLANE = -1  # an evidence point that lies on no layout plane
 MIN_FLOOR_BELOW_SENSOR_M = 0.5  # nobody scans from nearer to the floor; keeps table tops held close out
 FLOOR_SUPPORT_RATIO = 0.2  # a floor has at least this share of the best-supported level surface's points
 CELLS_PER_PLANE = 1 << 20  # 50 km of cells: far beyond any building
+BLOCK_POINTS = 1 << 16  # computed at a time: what is needed between fits the processor's cache
 RUN_CELL_M = 0.05  # grain at which the length of a surface is measured when the plan's x direction is chosen
 
 
@@ -24,7 +25,8 @@ class PlanWorld:
 
     `plane_axis (L,)`, `plane_facing (L,)`, `plane_offset_m (L,)`, `plane_sigma_m (L,)`, `plane_extent_m (L, 3, 2)`;
     `plane_frames (L,)` how many keyframes saw it; `point_m (P, 3)`, `point_frame (P,)`, `point_plane (P,)` or NO_PLANE,
-    `point_weight (P,)`, `point_sigma_m (P,)` noise of the reading; `heights` False for level sweeps.
+    `point_weight (P,)`, `point_sigma_m (P,)` noise of the reading: in four bytes each, for there are ten thousand points to a
+    metre of path; `heights` False for level sweeps.
     """
 
     trajectory: Trajectory
@@ -50,13 +52,9 @@ def solved_world(
 ) -> PlanWorld:
     """Evidence and planes in the frame of the solution: every point turned and moved by its keyframe's final pose."""
     evidence = segmented.evidence
-    frame = np.repeat(np.arange(len(evidence.start) - 1), np.diff(evidence.start))
-    sensor_point = evidence.point_sensor_m.astype(np.float64)
-    point = _placed(sensor_point, evidence.start, trajectory)
+    frame = np.repeat(np.arange(len(evidence.start) - 1, dtype=np.int32), np.diff(evidence.start))
     plane_of_segment = _plane_of_segment(tracks, solution)
-    on_segment = evidence.segment != NO_SEGMENT
-    point_plane = np.full(len(point), NO_PLANE, dtype=np.int64)
-    point_plane[on_segment] = plane_of_segment[evidence.segment[on_segment]]
+    point_plane = np.append(plane_of_segment, NO_PLANE).astype(np.int32)[evidence.segment]  # NO_SEGMENT is the last row
     sensor = scan.recording.sensor
     return PlanWorld(
         trajectory,
@@ -66,21 +64,30 @@ def solved_world(
         solution.plane_sigma_m,
         solution.plane_extent_m,
         _frames_of_planes(segmented, plane_of_segment, len(solution.plane_axis)),
-        point,
+        _placed(evidence, trajectory),
         frame,
         point_plane,
-        evidence.weight.astype(np.float64),
-        sensor.noise.sigma_m(np.sqrt(np.einsum("pi,pi->p", sensor_point, sensor_point))),
+        evidence.weight,
+        _noise_m(evidence, sensor.noise),
         heights=sensor.kind is not SensorKind.LASER,
     )
 
 
-def _placed(sensor_point: Array, start: Array, trajectory: Trajectory) -> Array:
-    """Points (P, 3) of all frames under their frames' poses."""
-    world = np.empty_like(sensor_point)
-    for k, (first, last) in enumerate(pairwise(start)):
-        world[first:last] = sensor_point[first:last] @ trajectory.world_from_sensor[k].T + trajectory.position_m[k]
+def _placed(evidence: EvidencePoints, trajectory: Trajectory) -> Array:
+    """Points (P, 3) float32 of all frames under their frames' poses."""
+    world = np.empty(evidence.point_sensor_m.shape, np.float32)
+    for k, (first, last) in enumerate(pairwise(evidence.start)):
+        world[first:last] = evidence.point_sensor_m[first:last] @ trajectory.world_from_sensor[k].T + trajectory.position_m[k]
     return world
+
+
+def _noise_m(evidence: EvidencePoints, noise: NoiseModel) -> Array:
+    """Standard deviation (P,) float32 of every reading along its ray."""
+    sigma = np.empty(len(evidence.point_sensor_m), np.float32)
+    for first in range(0, len(sigma), BLOCK_POINTS):
+        point = evidence.point_sensor_m[first : first + BLOCK_POINTS]
+        sigma[first : first + BLOCK_POINTS] = noise.sigma_m(np.sqrt(np.einsum("pi,pi->p", point, point)))
+    return sigma
 
 
 def _plane_of_segment(tracks: Tracks, solution: LayoutSolution) -> Array:
@@ -136,17 +143,16 @@ def in_plan_frame(world: PlanWorld, quarters: int | None = None, shift_m: tuple[
     `shift_m` instead of that corner keeps the frame of an earlier plan.
     """
     turns = (0 if _longest_runs_along_x(world) else 1) if quarters is None else quarters
-    turned = moved(world, turns, np.zeros(3))
-    if shift_m is not None:
-        return moved(turned, 0, np.array([*shift_m, 0.0]))
-    low = [_lowest_offset(turned, axis) for axis in (AXIS_X, AXIS_Y)]
-    return moved(turned, 0, -np.array([*low, 0.0]))
+    if shift_m is None:
+        axis, _, offset, _ = _moved_planes(world, _quarter_turns(turns), np.zeros(3))
+        seen = _support_of_planes(world) > 0
+        shift_m = -_lowest(offset[seen & (axis == AXIS_X)]), -_lowest(offset[seen & (axis == AXIS_Y)])
+    return moved(world, turns, np.array([*shift_m, 0.0]))
 
 
-def _lowest_offset(world: PlanWorld, axis: int) -> float:
-    """The coordinate of the outermost plane of an axis that is seen by points, rounded down to whole metres."""
-    used = np.flatnonzero((world.plane_axis == axis) & (_support_of_planes(world) > 0))
-    return float(np.floor(world.plane_offset_m[used].min())) if len(used) else 0.0
+def _lowest(offset_m: Array) -> float:
+    """The lowest coordinate, rounded down to whole metres."""
+    return float(np.floor(offset_m.min())) if len(offset_m) else 0.0
 
 
 def _longest_runs_along_x(world: PlanWorld) -> bool:
@@ -156,15 +162,14 @@ def _longest_runs_along_x(world: PlanWorld) -> bool:
         return True
     plane = world.point_plane[upright]
     along = np.where(world.plane_axis[plane] == AXIS_X, world.point_m[upright, AXIS_Y], world.point_m[upright, AXIS_X])
-    cells = np.unique(plane * CELLS_PER_PLANE + np.floor(along / RUN_CELL_M).astype(np.int64) % CELLS_PER_PLANE)
+    cells = np.unique(plane.astype(np.int64) * CELLS_PER_PLANE + np.floor(along / RUN_CELL_M).astype(np.int64) % CELLS_PER_PLANE)
     longest = int(np.argmax(np.bincount(cells // CELLS_PER_PLANE)))
     return bool(world.plane_axis[longest] == AXIS_Y)
 
 
 def moved(world: PlanWorld, quarters: int, shift_m: Array) -> PlanWorld:
     """The world turned by quarter turns counter-clockwise, then shifted; the transform is remembered."""
-    turn = np.rint(rotation_about_z(np.array(quarters * np.pi / 2)))
-    shift = np.asarray(shift_m, dtype=np.float64)
+    turn, shift = _quarter_turns(quarters), np.asarray(shift_m, dtype=np.float64)
     axis, facing, offset, extent = _moved_planes(world, turn, shift)
     trajectory = Trajectory(
         world.trajectory.stamp_ns, world.trajectory.position_m @ turn.T + shift, turn @ world.trajectory.world_from_sensor
@@ -177,10 +182,24 @@ def moved(world: PlanWorld, quarters: int, shift_m: Array) -> PlanWorld:
         plane_facing=facing,
         plane_offset_m=offset,
         plane_extent_m=extent,
-        point_m=world.point_m @ turn.T + shift,
+        point_m=_moved_points(world.point_m, turn, shift),
         rotation_quarters=(world.rotation_quarters + quarters) % 4,
         shift_m=(float(total[0]), float(total[1]), float(total[2])),
     )
+
+
+def _quarter_turns(quarters: int) -> Array:
+    """The rotation (3, 3) about z by quarter turns counter-clockwise: whole numbers."""
+    return np.asarray(np.rint(rotation_about_z(np.array(quarters * np.pi / 2))))
+
+
+def _moved_points(point_m: Array, turn: Array, shift: Array) -> Array:
+    """The points (P, 3) after quarter turns `turn` and `shift`: each coordinate is one of the old ones, its sign kept or changed."""
+    moved = np.empty_like(point_m)
+    for axis, source in enumerate(np.abs(turn).argmax(axis=1)):
+        np.multiply(point_m[:, source], turn[axis, source], out=moved[:, axis])
+        moved[:, axis] += shift[axis]
+    return moved
 
 
 def _moved_planes(world: PlanWorld, turn: Array, shift: Array) -> tuple[Array, Array, Array, Array]:

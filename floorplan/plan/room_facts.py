@@ -11,7 +11,7 @@ from floorplan.model.plan import Dimension, DimensionRole, PlanPlane, Room
 from floorplan.model.segment import AXIS_Z
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M
-from floorplan.plan.plan_frame import FLOOR_SUPPORT_RATIO, NO_PLANE, PlanWorld
+from floorplan.plan.plan_frame import FLOOR_SUPPORT_RATIO, PlanWorld
 
 ON_FACE_M = 1e-4  # an outline lies on a face when it is this near
 UNSEEN_EDGE_SIGMA_M = CELL_M  # where an outline lies on no face it is only as good as the grid of free space
@@ -57,14 +57,30 @@ def face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces:
     return best
 
 
-def room_height(room: Room, world: PlanWorld) -> RoomHeight | None:
+@dataclass(frozen=True)
+class LevelPoints:
+    """The points of floors, ceilings and other level planes: `xy_m (Q, 2)` in order of x, `plane (Q,)`, `weight (Q,)`."""
+
+    xy_m: Array
+    plane: Array
+    weight: Array
+
+
+def level_points(world: PlanWorld) -> LevelPoints:
+    """All points on level planes."""
+    rows = np.flatnonzero(np.append(world.plane_axis == AXIS_Z, False)[world.point_plane])  # NO_PLANE is the last row
+    rows = rows[np.argsort(world.point_m[rows, 0], kind="stable")]
+    return LevelPoints(world.point_m[rows, :2], world.point_plane[rows], world.point_weight[rows])
+
+
+def room_height(room: Room, level: LevelPoints, world: PlanWorld) -> RoomHeight | None:
     """Floor and ceiling of a room: the lowest well seen level plane inside its outline, and the one that holds most points above."""
-    level = np.flatnonzero(world.plane_axis == AXIS_Z)
-    on_level = np.isin(world.point_plane, level) & (world.point_plane != NO_PLANE)
-    x, y = world.point_m[on_level, 0], world.point_m[on_level, 1]
-    inside = shapely.contains_xy(Polygon(room.outline, room.holes), x, y)
-    plane = world.point_plane[on_level][inside]
-    weight = np.bincount(plane, weights=world.point_weight[on_level][inside], minlength=len(world.plane_axis))
+    shape = Polygon(room.outline, room.holes)
+    x0, y0, x1, y1 = shape.bounds
+    beside = slice(*np.searchsorted(level.xy_m[:, 0], (x0, x1)))
+    near = np.flatnonzero((level.xy_m[beside, 1] > y0) & (level.xy_m[beside, 1] < y1)) + beside.start
+    inside = near[shapely.contains_xy(shape, *level.xy_m[near].astype(np.float64).T)]
+    weight = np.bincount(level.plane[inside], weights=level.weight[inside], minlength=len(world.plane_axis))
     floor = _lowest_plane(weight * (world.plane_facing > 0), world.plane_offset_m)
     ceiling = _main_plane(weight * (world.plane_facing < 0))
     if floor is None or ceiling is None or world.plane_offset_m[ceiling] <= world.plane_offset_m[floor]:

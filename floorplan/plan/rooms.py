@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 from shapely import maximum_inscribed_circle
-from shapely.geometry import LineString, MultiPoint, Polygon, box
+from shapely.geometry import LineString, MultiPoint, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
@@ -72,7 +73,7 @@ def _polygons(arrangement: Arrangement, region: int) -> list[Polygon]:
     """The polygon of a region (one, for its cells are connected through edges)."""
     if region == NO_REGION:
         return []
-    merged = unary_union([box(*b) for b in arrangement.boxes_of(region)])
+    merged = shapely.union_all(shapely.box(*arrangement.boxes_of(region).T))
     return [orient(part.simplify(1e-6)) for part in getattr(merged, "geoms", [merged])]
 
 

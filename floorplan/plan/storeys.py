@@ -81,7 +81,7 @@ def frames_of_storeys(world: PlanWorld, floors: tuple[float, ...]) -> tuple[Arra
 
 def _part(world: PlanWorld, frames: Array, low_m: float, high_m: float) -> PlanWorld:
     """The world of some frames (rows) and of their readings between two heights."""
-    row = np.full(len(world.trajectory.position_m), -1)
+    row = np.full(len(world.trajectory.position_m), -1, dtype=np.int32)
     row[frames] = np.arange(len(frames))
     z = world.point_m[:, 2]
     kept = (row[world.point_frame] >= 0) & (z >= low_m) & (z < high_m)
