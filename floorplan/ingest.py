@@ -33,7 +33,7 @@ def ingest(source: Source, config: IngestConfig, steps: Steps = no_steps) -> Ing
     matched = match_sweeps(source, recording, steps)
     refined = matched.refined
     closed = close_loops(refined, steps("closing loops")) if config.close_loops else None
-    recording = replace(recording, problems=recording.problems + matching_problems(matched, closed))
+    recording = replace(recording, problems=recording.problems + matching_problems(recording, matched, closed))
     recording = with_level_poses(recording, refined.pose if closed is None else closed.pose)
     sigma_m = None if closed is None else closed.sigma_m
     return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=sigma_m, wheels=matched.wheels)

@@ -4,16 +4,27 @@ import numpy as np
 
 from floorplan.loop_closing import ClosedLoops
 from floorplan.model.checks import Array
-from floorplan.model.scan import Problem, Wheels
-from floorplan.sweep_matching import MatchedSweeps
+from floorplan.model.scan import Problem, Recording, Wheels
+from floorplan.sweep_matching import MatchedSweeps, RefinedOdometry
 
 _LOST_SHARE = 0.3  # of a sweep's surfaces: with less it fits nothing seen before it
+_MOVED_M = 0.5  # a scanner on a tripod trembles by less
 _MANY_REJECTED = 0.2  # of the loops; a few wrong ones are ordinary
 
 
-def matching_problems(sweeps: MatchedSweeps, closed: ClosedLoops | None) -> tuple[Problem, ...]:
+def matching_problems(recording: Recording, sweeps: MatchedSweeps, closed: ClosedLoops | None) -> tuple[Problem, ...]:
     """Problems of the matched trajectory: coded, counted, with the first place."""
-    return _mended(sweeps.wheels) + _lost(sweeps.refined.matched) + (() if closed is None else _contradicting(closed))
+    found = _still(recording, sweeps.refined) + _mended(sweeps.wheels) + _lost(sweeps.refined.matched)
+    return found + (() if closed is None else _contradicting(closed))
+
+
+def _still(recording: Recording, refined: RefinedOdometry) -> tuple[Problem, ...]:
+    """Odometry that never moves although the sweeps do."""
+    moves = np.ptp(recording.position_m, axis=0).any()
+    if moves or np.ptp(refined.pose[:, :2], axis=0).max() < _MOVED_M:
+        return ()
+    advice = "record odometry; without it sweeps must follow each other closely and see more than a bare corridor"
+    return (Problem("odometry-still", "the odometry never moves; sweeps alone tell the way", "", len(recording), advice),)
 
 
 def _mended(wheels: Wheels) -> tuple[Problem, ...]:

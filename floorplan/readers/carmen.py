@@ -4,8 +4,6 @@ A sweep is a 1 x N grid at an assumed level: x ahead, y left, z up, origin where
 angles in radians. The frame stamp is the message's own time, the first of the last three columns.
 """
 
-import bz2
-import gzip
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,14 +17,16 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, NoiseModel, Problem, Recording, Sensor, SensorKind
 from floorplan.readers.base import BadFrame
 from floorplan.readers.carmen_lines import Sweeps, parse_log
+from floorplan.readers.laser_checks import range_unit_problems
 from floorplan.readers.noise_models import LASER_SIGMA_M, LASER_SIGMA_PER_M
+from floorplan.readers.packed_lines import packed_by, packed_lines
 from floorplan.readers.pose_table import PoseTable
 from floorplan.readers.row_checks import usable_rows
 
 LOG_SUFFIXES = (".clf", ".log", ".carmen")
 PACKED_SUFFIXES = (".bz2", ".gz")
 SNIFFED_LINES = 200  # parameters and comments can stand before the first sweep
-LOG_WORDS = (b"FLASER", b"ROBOTLASER1", b"ODOM", b"PARAM", b"# CARMEN", b"# message_name", b"RLASER")
+LOG_WORDS = (b"FLASER", b"ROBOTLASER", b"ODOM", b"PARAM", b"# CARMEN", b"# message_name", b"RLASER")
 MIN_RANGE_M = 0.05
 SHARE_OF_NO_RETURN = 1e-4  # the greatest reading is the code for "no return" when so many readings have it exactly ...
 NO_RETURN_TO_NEIGHBOURS = 3.0  # ... and that is so many times what the last metre before it holds
@@ -50,7 +50,7 @@ class CarmenReader:
         if len(logs) != 1:
             names = ", ".join(log.name for log in logs) or "none"
             raise InputError(f"{path}: a folder must hold exactly one CARMEN log, found: {names}; name the log itself")
-        return _open(logs[0])
+        return _open(logs[0], config.depth_scale)
 
 
 @dataclass(frozen=True)
@@ -89,36 +89,31 @@ def _has_log_suffix(file: Path) -> bool:
 
 def _reads_like_log(file: Path) -> bool:
     try:
-        return any(line.startswith(LOG_WORDS) for line, _ in zip(_lines(file), range(SNIFFED_LINES), strict=False))
+        return any(line.startswith(LOG_WORDS) for line, _ in zip(packed_lines(file), range(SNIFFED_LINES), strict=False))
     except (OSError, EOFError):
-        return False  # whatever it is, it is no log that can be read; sniffing must not fail
+        return _is_damaged(file)  # a packed log cut before its first lines; whatever else it is, sniffing must not fail
 
 
-def _lines(file: Path) -> Iterator[bytes]:
-    """Lines of the log, unpacked on the way."""
-    if file.suffix.lower() == ".bz2":
-        with bz2.open(file, "rb") as lines:
-            yield from lines
-    elif file.suffix.lower() == ".gz":
-        with gzip.open(file, "rb") as lines:
-            yield from lines
-    else:
-        with file.open("rb") as lines:
-            yield from lines
+def _is_damaged(file: Path) -> bool:
+    try:
+        return packed_by(file) != ""
+    except OSError:
+        return False
 
 
-def _open(file: Path) -> LaserLog:
-    sweeps = parse_log(_lines(file), str(file))
+def _open(file: Path, units_per_m: float) -> LaserLog:
+    sweeps = parse_log(packed_lines(file), str(file))
     quat = quat_xyzw_from_rotation(rotation_about_z(sweeps.pose_xy_yaw[:, 2]))
     position = np.column_stack([sweeps.pose_xy_yaw[:, :2], np.zeros(len(quat))])
     usable = usable_rows(PoseTable(sweeps.stamp_ns, position, quat), file.name)
     if not len(usable.index):
         raise InputError(f"{file}: no sweep has a pose and a stamp")
-    ranges = sweeps.range_m[usable.index].copy()
+    ranges = sweeps.range_m[usable.index] / np.float32(units_per_m or 1.0)
     limit = no_return_range_m(ranges, sweeps.stated_max_range_m)
     ranges[~((ranges > MIN_RANGE_M) & (ranges < limit))] = np.nan
+    problems = sweeps.problems + usable.problems + range_unit_problems(ranges, file.name)
     return LaserLog(
-        recording=_recording(sweeps, usable.index, position, _sensor(sweeps, ranges, limit), sweeps.problems + usable.problems),
+        recording=_recording(sweeps, usable.index, position, _sensor(sweeps, ranges, limit), problems),
         range_m=ranges,
         angle_rad=sweeps.angle_rad,
     )

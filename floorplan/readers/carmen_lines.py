@@ -14,10 +14,12 @@ import numpy as np
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Problem
+from floorplan.readers.laser_checks import headings_in_radians, stands_still
 from floorplan.readers.pose_table import stamp_ns_from_text
 
 FLASER_TAIL = 9  # columns after the ranges
 FLASER_POSE = 3  # odom_x is this many columns after the ranges; x, y, theta before it may be corrected poses
+OTHER_LASERS = (b"RLASER", b"ROBOTLASER0", b"ROBOTLASER2", b"ROBOTLASER3", b"ROBOTLASER4", b"LASER3", b"LASER4", b"RAWLASER")
 ROBOTLASER_HEAD = 9  # columns before the ranges
 ROBOTLASER_TAIL = 14  # columns after the remissions
 MAX_RANGE_PARAMETER = b"robot_front_laser_max"
@@ -34,11 +36,12 @@ class Fan:
 
 @dataclass(frozen=True)
 class Sweep:
-    """One line: `pose_xy_yaw` of the sensor in the odometry's world, ranges as logged."""
+    """One line: `pose_xy_yaw` of the sensor in the odometry's world, the `other_xy_yaw` that the line has beside it, ranges as logged."""
 
     fan: Fan
     range_m: Array
-    pose_xy_yaw: tuple[float, float, float]
+    pose_xy_yaw: tuple[float, ...]
+    other_xy_yaw: tuple[float, ...]
     stamp_ns: int
     max_range_m: float = np.inf
 
@@ -63,6 +66,7 @@ def parse_log(lines: Iterable[bytes], where: str) -> Sweeps:
     """The sweeps of a log. Raises `InputError` when there is none."""
     sweeps: list[Sweep] = []
     bad_lines: list[int] = []
+    others: Counter[bytes] = Counter()
     stated_max = np.inf
     problems: tuple[Problem, ...] = ()
     try:
@@ -73,18 +77,41 @@ def parse_log(lines: Iterable[bytes], where: str) -> Sweeps:
                 except (ValueError, IndexError):
                     bad_lines.append(number)
             elif line.startswith(b"PARAM " + MAX_RANGE_PARAMETER):
-                stated_max = float(line.split()[2])
+                stated_max = _stated_max_m(line, stated_max)
+            elif line.startswith(OTHER_LASERS):
+                others[line.split(maxsplit=1)[0]] += 1
     except (EOFError, OSError) as error:
         problems = (Problem("file-damaged", f"the packed log ends early ({error})", where, advice="what could be unpacked is used"),)
     if not sweeps:
-        raise InputError(f"{where}: no frames: no readable FLASER or ROBOTLASER1 line")
+        raise InputError(f"{where}: no frames: no readable FLASER or ROBOTLASER1 line{_instead(bad_lines, others, problems)}")
     if bad_lines:
         advice = "these sweeps are left out"
         problems += (Problem("line-unreadable", "laser lines cut off or damaged", f"line {bad_lines[0]}", len(bad_lines), advice),)
-    return _of_one_fan(sweeps, stated_max, problems)
+    return _of_one_fan(sweeps, stated_max, problems, where)
 
 
-def _of_one_fan(sweeps: list[Sweep], stated_max_m: float, problems: tuple[Problem, ...]) -> Sweeps:
+def _stated_max_m(line: bytes, otherwise_m: float) -> float:
+    cells = line.split()
+    try:
+        return float(cells[2])
+    except (ValueError, IndexError):
+        return otherwise_m
+
+
+def _instead(bad_lines: list[int], others: Counter[bytes], problems: tuple[Problem, ...]) -> str:
+    """What there is in place of sweeps, for the message."""
+    if problems:
+        return f"; {problems[0].message}: copy the log again"
+    if bad_lines:
+        damaged = f"{len(bad_lines)} are cut off or damaged, the first is line {bad_lines[0]}"
+        return f"; {damaged}: numbers need a decimal point, and a line as many ranges as it says"
+    if others:
+        name, count = others.most_common(1)[0]
+        return f"; {count} are {name.decode('ascii', errors='replace')}, of a scanner that does not look ahead: rename them if yours does"
+    return ""
+
+
+def _of_one_fan(sweeps: list[Sweep], stated_max_m: float, problems: tuple[Problem, ...], where: str) -> Sweeps:
     """The sweeps of the commonest fan: a grid has one width."""
     fan, _ = Counter(sweep.fan for sweep in sweeps).most_common(1)[0]
     same = [sweep for sweep in sweeps if sweep.fan == fan]
@@ -92,7 +119,8 @@ def _of_one_fan(sweeps: list[Sweep], stated_max_m: float, problems: tuple[Proble
         message = f"sweeps of another scanner than the commonest ({fan.count} beams)"
         problems += (Problem("sweep-other-scanner", message, count=len(sweeps) - len(same), advice="these sweeps are left out"),)
     beams = fan.start_rad + fan.step_rad * np.arange(fan.count)
-    poses = np.array([sweep.pose_xy_yaw for sweep in same])
+    told = _poses(same, where)
+    poses, problems = told.pose_xy_yaw, problems + told.problems
     # x ahead along the fan's middle: a fan from -90 degrees in n steps of 180/n has its middle at 0, half a step past the middle beam
     middle = fan.start_rad + 0.5 * fan.step_rad * fan.count
     middle = 0.0 if abs(middle) <= abs(fan.step_rad) else middle
@@ -107,13 +135,33 @@ def _of_one_fan(sweeps: list[Sweep], stated_max_m: float, problems: tuple[Proble
     )
 
 
+@dataclass(frozen=True)
+class _Poses:
+    """`pose_xy_yaw (N, 3)` and what was odd about them."""
+
+    pose_xy_yaw: Array
+    problems: tuple[Problem, ...]
+
+
+def _poses(sweeps: list[Sweep], where: str) -> _Poses:
+    """The odometry of the sweeps; the log's other poses where that never moves; headings in radians."""
+    poses, other = np.array([sweep.pose_xy_yaw for sweep in sweeps]), np.array([sweep.other_xy_yaw for sweep in sweeps])
+    problems: tuple[Problem, ...] = ()
+    if stands_still(poses) and not stands_still(other):
+        advice = "make sure that these are poses of this log's own sweeps"
+        problems = (Problem("odometry-still", "the odometry never moves; the poses beside it were read instead", where, advice=advice),)
+        poses = other
+    headings = headings_in_radians(poses, where)
+    return _Poses(np.column_stack((poses[:, :2], headings.yaw_rad)), problems + headings.problems)
+
+
 def _flaser(cells: list[bytes]) -> Sweep:
     count = int(cells[1])
     tail = cells[2 + count :]
     if len(tail) != FLASER_TAIL:
         raise ValueError("number of columns")
-    x, y, theta = (float(cell) for cell in tail[FLASER_POSE : FLASER_POSE + 3])
-    return Sweep(_flaser_fan(count), np.array(cells[2 : 2 + count], dtype=np.float32), (x, y, theta), _stamp(tail))
+    corrected, odometry = (tuple(float(cell) for cell in tail[at : at + 3]) for at in (0, FLASER_POSE))
+    return Sweep(_flaser_fan(count), np.array(cells[2 : 2 + count], dtype=np.float32), odometry, corrected, _stamp(tail))
 
 
 def _flaser_fan(count: int) -> Fan:
@@ -127,11 +175,11 @@ def _robotlaser(cells: list[bytes]) -> Sweep:
     tail = cells[ROBOTLASER_HEAD + count + 1 + remissions :]
     if len(tail) != ROBOTLASER_TAIL:
         raise ValueError("number of columns")
-    x, y, theta = (float(cell) for cell in tail[:3])
+    laser, robot = (tuple(float(cell) for cell in tail[at : at + 3]) for at in (0, 3))
     ranges = np.array(cells[ROBOTLASER_HEAD : ROBOTLASER_HEAD + count], dtype=np.float32)
     fan = Fan(count, float(cells[2]), float(cells[4]))
     max_range_m = float(cells[5]) or np.inf
-    return Sweep(fan, ranges, (x, y, theta), _stamp(tail), max_range_m)
+    return Sweep(fan, ranges, laser, robot, _stamp(tail), max_range_m)
 
 
 def _stamp(tail: list[bytes]) -> int:

@@ -8,6 +8,8 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Problem
 from floorplan.readers.pose_table import MISSING_STAMP_NS, PoseTable
 
+FEWEST_ROWS, ALIKE_SHARE = 10, 0.1  # of so many rows, hardly any with a stamp of its own: they have none
+
 
 @dataclass(frozen=True)
 class UsableRows:
@@ -38,8 +40,10 @@ def usable_rows(table: PoseTable, where: str, first_line: int = 1) -> UsableRows
     doubled = np.concatenate([[False], np.diff(table.stamp_ns[index]) == 0])[: len(index)]  # of no rows, none
     if doubled.any():
         row = int(index[np.argmax(doubled)])
-        advice = "the first row of each stamp is kept"
-        problems.append(Problem("stamp-doubled", "stamps occur more than once", _line(where, row, first_line), int(doubled.sum()), advice))
+        lost = len(index) >= FEWEST_ROWS and (~doubled).sum() <= ALIKE_SHARE * len(index)
+        advice = "stamps were lost or rounded off: write one per frame" if lost else "the first row of each stamp is kept"
+        place = _line(where, row, first_line)
+        problems.append(Problem("stamp-doubled", "stamps occur more than once", place, int(doubled.sum()), advice, fatal=bool(lost)))
     return UsableRows(index[~doubled], tuple(problems))
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from floorplan.config import ReadConfig
 from floorplan.errors import InputError
 from floorplan.model.scan import Frame, GravitySource
 from floorplan.readers import open_scan
@@ -104,3 +105,70 @@ def test_the_real_logs_are_read_whole_and_every_relation_has_its_stamps(
     stamps = {cell for line in lines for cell in line.split()[:2]}
     assert {int(s.replace(".", "") + "000") for s in stamps} <= set(recording.stamp_ns.tolist())
     assert 30 < recording.sensor.max_range_m < 81
+
+
+def test_a_packed_log_is_unpacked_whatever_its_name_says(tmp_path: Path) -> None:
+    marked = bz2.compress(b"\xef\xbb\xbf" + log_text(180).encode())
+    for name, data in (("a.log", gzip.compress(log_text(180).encode())), ("b.log.gz", marked)):
+        (tmp_path / name).write_bytes(data)
+        assert len(open_scan(tmp_path / name).recording) == 20
+    (tmp_path / "c.clf.bz2").write_bytes(bz2.compress(log_text(180).encode())[:500])
+    with pytest.raises(InputError, match="copy the log again"):
+        open_scan(tmp_path / "c.clf.bz2")
+
+
+def test_a_log_of_other_scanners_or_damaged_lines_says_what_it_holds(tmp_path: Path) -> None:
+    (tmp_path / "rear.log").write_text(log_text(180).replace("FLASER", "RLASER"))
+    with pytest.raises(InputError, match="20 are RLASER"):
+        open_scan(tmp_path / "rear.log")
+    (tmp_path / "comma.log").write_text(log_text(180).replace(".", ","))
+    with pytest.raises(InputError, match="20 are cut off or damaged, the first is line 4"):
+        open_scan(tmp_path / "comma.log")
+
+
+def test_ranges_in_other_units_stop_the_build_and_can_be_told(tmp_path: Path) -> None:
+    cells = [line.split() for line in log_text(180).splitlines()]
+    lines = [" ".join([*c[:2], *(str(float(r) * 1000) for r in c[2:182]), *c[182:]]) if c[0] == "FLASER" else " ".join(c) for c in cells]
+    (tmp_path / "mm.log").write_text("\n".join(lines))
+    (wrong,) = open_scan(tmp_path / "mm.log").recording.problems
+    assert (wrong.code, wrong.fatal) == ("range-unit", True)
+    assert "with 1000" in wrong.advice
+    right = open_scan(tmp_path / "mm.log", config=ReadConfig(depth_scale=1000.0))
+    assert right.recording.problems == ()
+    frame = next(iter(right.frames([0])))
+    assert isinstance(frame, Frame)
+    assert np.nanmax(frame.points[0, :, 1]) == pytest.approx(WALL_M, abs=2e-3)
+
+
+def circle(unit: float) -> str:
+    """Sweeps of a robot that drives in a circle, with headings in `unit` per radian."""
+    angle = 0.1 * np.arange(80)
+    lines = (flaser(180, float(np.sin(a)), float(1 - np.cos(a)), 100 + float(a)).split() for a in angle)
+    return "\n".join(" ".join([*c[:-4], f"{unit * a:.6f}", *c[-3:]]) for c, a in zip(lines, angle, strict=True))
+
+
+def test_headings_in_degrees_are_turned_into_radians_and_others_left(tmp_path: Path) -> None:
+    found = []
+    for name, unit in (("rad.log", 1.0), ("deg.log", 180 / np.pi)):
+        (tmp_path / name).write_text(circle(unit))
+        found.append(open_scan(tmp_path / name).recording)
+    assert found[0].problems == ()
+    assert [p.code for p in found[1].problems] == ["heading-unit"]
+    np.testing.assert_allclose(found[1].odom_from_sensor, found[0].odom_from_sensor, atol=1e-5)
+
+
+def test_poses_beside_an_odometry_that_never_moves_are_read_instead(tmp_path: Path) -> None:
+    cells = [line.split() for line in log_text(180).splitlines()]
+    lines = [" ".join([*c[:-6], "0", "0", "0", *c[-3:]]) if c[0] == "FLASER" else " ".join(c) for c in cells]
+    (tmp_path / "corrected.log").write_text("\n".join(lines))
+    recording = open_scan(tmp_path / "corrected.log").recording
+    assert [p.code for p in recording.problems] == ["odometry-still"]
+    np.testing.assert_allclose(np.diff(recording.position_m[:, 0]), 0.1, atol=1e-9)
+
+
+def test_sweeps_without_stamps_of_their_own_stop_the_build(tmp_path: Path) -> None:
+    cells = [line.split() for line in log_text(180).splitlines()]
+    lines = [" ".join([*c[:-3], "0.000000", *c[-2:]]) if c[0] == "FLASER" else " ".join(c) for c in cells]
+    (tmp_path / "timeless.log").write_text("\n".join(lines))
+    (lost,) = open_scan(tmp_path / "timeless.log").recording.problems
+    assert (lost.code, lost.count, lost.fatal) == ("stamp-doubled", 19, True)
