@@ -74,7 +74,7 @@ def unpacked(data: bytes, compression: str) -> bytes:
         return data
     try:
         return _decompressor(compression, data)
-    except (OSError, RuntimeError, ValueError):
+    except (OSError, RuntimeError, ValueError, EOFError):
         return b""  # nothing can be had of a damaged chunk; its messages are missing in the count
 
 
@@ -88,5 +88,8 @@ def _decompressor(compression: str, data: bytes) -> bytes:
     if compression == "zstd":
         from backports import zstd
 
-        return bytes(zstd.ZstdDecompressor().decompress(data))
+        try:
+            return bytes(zstd.ZstdDecompressor().decompress(data))
+        except zstd.ZstdError as error:
+            raise ValueError("damaged zstd data") from error
     return b""

@@ -88,6 +88,8 @@ def _pages(file: BinaryIO) -> _Pages:
 
 def _payload(file: BinaryIO, pages: _Pages, local: bytes, size: int) -> bytes | None:
     """A row's bytes, its overflow pages followed; None where one of them is not there."""
+    if size > file_size(file):
+        return None
     if size <= pages.usable - 35:
         return local[:size] if size <= len(local) else None
     least = (pages.usable - 12) * 32 // 255 - 23
@@ -110,7 +112,7 @@ def _columns(payload: bytes) -> list[Value]:
     """The values of a record: its head holds the length of the head and one serial type per column."""
     end, at = _varint(payload, 0)
     types = []
-    while at < end:
+    while at < min(end, len(payload)):
         type, at = _varint(payload, at)
         types.append(type)
     values: list[Value] = []

@@ -1,5 +1,6 @@
 """ROS 1 and ROS 2 bags as a stream of messages, whole ones and cut ones: the one module that imports rosbags."""
 
+import struct
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,22 +55,62 @@ def topics_of(paths: tuple[Path, ...]) -> tuple[Topic, ...]:
 def bag_problems(paths: tuple[Path, ...]) -> tuple[Problem, ...]:
     """What is wrong with the bag as a whole: how much is missing of one that was cut off."""
     files = cut_files(paths)
-    return (cut_contents(files).problem(),) if files else ()
+    if files:
+        return (cut_contents(files).problem(),)
+    with _opened(paths) as bag:
+        if not bag.damage:
+            return ()
+        message = f"the bag's index is damaged: {bag.damage}"
+        return (Problem("file-damaged", message, str(paths[0]), advice="it was read record by record; what could be had is used"),)
 
 
 def messages(paths: tuple[Path, ...], topics: Collection[str], log_ns: Collection[int] = ()) -> Iterator[BagMessage]:
     """Messages of some topics in the order of writing, one in memory at a time; only those written at `log_ns`, unless empty.
 
-    Raises `InputError` where the bag turns out to be damaged, after what could be read.
+    Raises `InputError` where the bag turns out to be damaged, after what could be read before and behind the damage; of messages asked for
+    by their times it gives those that can be had.
     """
     wanted = frozenset(log_ns)
     start, stop = (min(wanted), max(wanted) + 1) if wanted else (None, None)
     with _opened(paths) as bag:
-        yield from bag.messages(topics, wanted, start, stop)
+        last_ns = (start or 0) - 1
+        try:
+            for message in bag.messages(topics, wanted, start, stop):
+                last_ns = message.log_ns
+                yield message
+        except _damages() as error:
+            behind = _CutBag(cut_contents(bag_files(paths)))
+            yield from behind.messages(topics, wanted, last_ns + 1, stop)
+            if not wanted:
+                raise InputError(f"{paths[0]}: the bag is damaged: {error}") from error
+
+
+def _of_a_definition(error: BaseException | None) -> bool:
+    """Whether nothing is wrong with the bag but a definition that cannot be parsed."""
+    from rosbags.typesys import TypesysError
+
+    return error is not None and (isinstance(error, TypesysError) or _of_a_definition(error.__cause__ or error.__context__))
+
+
+def _damages() -> tuple[type[Exception], ...]:
+    """What reading damaged bytes raises, in rosbags and below it: lengths, numbers, names and compressed data that make no sense."""
+    import apsw
+    from backports import zstd
+    from rosbags.highlevel import AnyReaderError
+    from rosbags.rosbag1 import ReaderError as ReaderError1
+    from rosbags.rosbag2 import ReaderError as ReaderError2
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import TypesysError
+
+    theirs = (AnyReaderError, ReaderError1, ReaderError2, SerdeError, TypesysError, zstd.ZstdError, apsw.Error)
+    return (*theirs, OSError, EOFError, ValueError, LookupError, ArithmeticError, MemoryError, AssertionError, RuntimeError, struct.error)
 
 
 class _Bag(Protocol):
-    """An open bag, whole or cut."""
+    """An open bag, whole or cut; `damage` is what keeps a bag that seems whole from being opened as such."""
+
+    @property
+    def damage(self) -> str: ...
 
     def topics(self) -> tuple[Topic, ...]: ...
 
@@ -81,6 +122,7 @@ class _Bag(Protocol):
 @dataclass(frozen=True)
 class _WholeBag:
     reader: Any
+    damage: str = ""
 
     def topics(self) -> tuple[Topic, ...]:
         return tuple(Topic(name, info.msgtype or "", info.msgcount) for name, info in sorted(self.reader.topics.items()))
@@ -97,6 +139,7 @@ class _WholeBag:
 @dataclass(frozen=True)
 class _CutBag:
     contents: CutContents
+    damage: str = ""
 
     def topics(self) -> tuple[Topic, ...]:
         return tuple(Topic(topic.name, topic.type, topic.count) for topic in self.contents.topics)
@@ -140,31 +183,25 @@ class _opened:  # noqa: N801 - a context manager, used like a function
         files = cut_files(self.paths)
         if files and (contents := cut_contents(files)).blocks:
             return _CutBag(contents)
-        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
         try:
             self.reader = AnyReader(self.paths, default_typestore=get_typestore(Stores.ROS2_HUMBLE))
             self.reader.open()
-        except (AnyReaderError, OSError) as error:
-            if (plain := self._record_by_record()) is not None:
+        except _damages() as error:
+            if (plain := self._record_by_record("" if _of_a_definition(error) else str(error))) is not None:
                 return plain
             remedy = REPAIR.get(self.paths[0].suffix, "check that all files of the bag are there")
             raise InputError(f"{self.paths[0]}: the bag cannot be opened: {error}. If it was cut off: {remedy}") from error
         return _WholeBag(self.reader)
 
-    def _record_by_record(self) -> _Bag | None:
+    def _record_by_record(self, damage: str) -> _Bag | None:
         """The same files without rosbags, which gives up on one definition it cannot parse; None where they hold nothing either."""
         self.reader = None
         contents = cut_contents(bag_files(self.paths))
-        return _CutBag(contents) if contents.blocks else None
+        return _CutBag(contents, damage) if contents.blocks else None
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        from rosbags.highlevel import AnyReaderError
-        from rosbags.rosbag1 import ReaderError as ReaderError1
-        from rosbags.rosbag2 import ReaderError as ReaderError2
-
         if self.reader is not None:
             self.reader.close()
-        if isinstance(error, AnyReaderError | ReaderError1 | ReaderError2 | OSError):
-            raise InputError(f"{self.paths[0]}: the bag is damaged: {error}") from error

@@ -1,3 +1,4 @@
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -226,6 +227,23 @@ def test_a_cut_bag_gives_the_frames_before_the_cut_and_says_how_many_messages_th
         assert isinstance(mine, Frame)
         assert isinstance(theirs, Frame)
         np.testing.assert_array_equal(mine.points, theirs.points)
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+@pytest.mark.parametrize("seed", range(4))
+def test_bytes_that_rotted_anywhere_cost_frames_and_no_traceback(tmp_path: Path, kind: str, seed: int) -> None:
+    bag, walk = Bag(kind), Walk(frames=30)
+    bag.add_depth(walk)
+    bag.add_odometry(walk)
+    file = next(f for f in bag.write(tmp_path / "scan").iterdir() if f.suffix != ".yaml")
+    data, random = bytearray(file.read_bytes()), np.random.default_rng(seed)
+    start, size = int(random.integers(len(data))), int(random.choice([20, 2000, 20000]))
+    hole = random.integers(0, 256, size, dtype=np.uint8).tobytes()
+    data[start : start + size] = hole[: len(data) - start]
+    file.write_bytes(data)
+    with suppress(InputError):
+        source = open_scan(file)
+        assert 0 < len(list(source.frames(range(len(source.recording))))) <= 30
 
 
 def cut_copy(bag: Path, to: Path, share: float) -> Path:
