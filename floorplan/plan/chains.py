@@ -1,6 +1,9 @@
-"""Dimensions outside the plan: for each side a chain from corner to corner of the rooms along it, and the length over all."""
+"""Dimensions outside the plan: for each side a chain from corner to corner of the rooms along it, and the length over all.
 
-from dataclasses import dataclass
+No distance is drawn twice: a bay that is a size of the room beside it is that dimension, moved out into the chain.
+"""
+
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,12 +12,15 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from floorplan.model.checks import Array
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Dimension, DimensionRole, Point, Room
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.room_facts import face_under
 
 MIN_EDGE_M = 0.5  # shorter pieces of a room's outline, pilasters and rebates, begin no bay
 SAME_LINE_M = 0.02  # corners nearer than this are one line in a drawing
+MIN_JOG_M = 0.12  # surfaces of equal facing nearer than this, rebates and pilasters, begin no bay either
+MAX_UNSURE_SHARE = 0.35  # of a bay that its 95 % interval may take up: a thin wall as unsure as this has no thickness worth a number
 PROBE_M = 0.01  # how far inside its room an edge is looked along
 CROSSED_M = 0.05  # more of a room than this in the way hides a corner from the side
 CHAIN_OUT_M, OVERALL_OUT_M = 1.0, 1.6  # outside the rooms; a sheet spaces them by its own scale
@@ -22,12 +28,14 @@ CHAIN_OUT_M, OVERALL_OUT_M = 1.0, 1.6  # outside the rooms; a sheet spaces them 
 
 @dataclass(frozen=True)
 class Stop:
-    """A corner that a chain stops at: row of its plane, coordinate, the corner itself, length of the edge it ends."""
+    """A corner that a chain stops at: plane (row) and facing, coordinate, the corner, length of the edge it ends, its rooms."""
 
     plane: int
+    facing: int
     offset_m: float
     at: Point
     length_m: float
+    rooms: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -42,36 +50,69 @@ SIDES = (Side(0, -1), Side(1, -1), Side(0, 1), Side(1, 1))  # bottom and left fi
 
 
 def outside_chains(
-    faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], covariance_m2: Array, plane_ids: tuple[str, ...]
+    faces: tuple[FaceRun, ...],
+    rooms: tuple[Room, ...],
+    sizes: tuple[Dimension, ...],
+    covariance_m2: Array,
+    plane_ids: tuple[str, ...],
 ) -> tuple[Dimension, ...]:
-    """Chains and overall dimensions of all sides; a side that would repeat the opposite one is left out."""
+    """The `sizes` of rooms, those that a chain repeats moved into it, and the bays and lengths over all that they do not say."""
     if not rooms:
-        return ()
+        return sizes
     shape = shapely.union_all([Polygon(room.outline, room.holes) for room in rooms])
-    found: list[Dimension] = []
+    chains = _Chains(list(sizes))
     for side in SIDES:
         stops = side_stops(side, faces, rooms, shape)
-        told = {end for d in found if d.axis == side.axis for end in (d.from_plane, d.to_plane)}
-        if len(stops) > 1 and not {plane_ids[stop.plane] for stop in stops} <= told:
-            known = {(d.from_plane, d.to_plane) for d in found if d.role is DimensionRole.OVERALL}
-            new = _chain(side, stops, shape, covariance_m2, plane_ids)
-            found += [d for d in new if d.role is DimensionRole.CHAIN or (d.from_plane, d.to_plane) not in known]
-    return tuple(found)
+        if len(stops) > 1 and not {plane_ids[stop.plane] for stop in stops} <= chains.told(side.axis):
+            for role, low, high in _spans(stops):
+                chains.add(_dimension(role, side, low, high, shape, covariance_m2, plane_ids), low.rooms & high.rooms, len(stops) == 2)
+    return (*chains.sizes, *chains.found)
+
+
+@dataclass
+class _Chains:
+    """What stands outside so far: `sizes` of rooms, some of them moved out, and `found`, what is dimensioned outside alone."""
+
+    sizes: list[Dimension]
+    found: list[Dimension] = field(default_factory=list)
+    drawn: set[tuple[str, str]] = field(default_factory=set)
+
+    def told(self, axis: int) -> set[str]:
+        """The planes that chains along an axis stop at so far."""
+        outside = [d for d in (*self.sizes, *self.found) if d.axis == axis and (d.from_plane, d.to_plane) in self.drawn]
+        return {plane for d in outside for plane in (d.from_plane, d.to_plane)}
+
+    def add(self, new: Dimension, rooms: frozenset[str], alone: bool) -> None:
+        """A bay between corners of `rooms`, or a length over all; `alone` when that is all its side would have."""
+        ends = new.from_plane, new.to_plane
+        if ends in self.drawn or (new.role is DimensionRole.CHAIN and NORMAL_95 * new.sigma_m > MAX_UNSURE_SHARE * new.distance_m):
+            return
+        same = [k for k, d in enumerate(self.sizes) if (d.from_plane, d.to_plane) == ends]
+        if new.role is DimensionRole.OVERALL and alone and same:
+            return  # one room from end to end: its size says it
+        self.drawn.add(ends)
+        beside = [k for k in same if new.role is DimensionRole.OVERALL or self.sizes[k].room in rooms]
+        if beside:
+            self.sizes[beside[0]] = replace(self.sizes[beside[0]], start=new.start, end=new.end, line=new.line)
+        else:
+            self.found.append(new)
 
 
 def side_stops(side: Side, faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], shape: BaseGeometry) -> tuple[Stop, ...]:
     """Corners that can be seen from a side, in order along it: ends of room edges on seen faces with no room before them."""
-    found = [stop for room in rooms for ring in (room.outline, *room.holes) for stop in _edges(side, ring, faces, shape)]
+    found = [stop for room in rooms for ring in (room.outline, *room.holes) for stop in _edges(side, room.id, ring, faces, shape)]
     kept: list[Stop] = []
     for stop in sorted(found, key=lambda stop: (stop.offset_m, -stop.length_m)):
-        if not kept or stop.offset_m - kept[-1].offset_m >= SAME_LINE_M:
+        apart = stop.offset_m - kept[-1].offset_m if kept else np.inf
+        if apart >= (MIN_JOG_M if kept and stop.facing == kept[-1].facing else SAME_LINE_M):
             kept.append(stop)
-        elif stop.length_m > kept[-1].length_m:
-            kept[-1] = stop
+            continue
+        longer = max(kept[-1], stop, key=lambda one: one.length_m)
+        kept[-1] = replace(longer, rooms=kept[-1].rooms | stop.rooms) if apart < SAME_LINE_M else longer
     return tuple(kept)
 
 
-def _edges(side: Side, ring: tuple[Point, ...], faces: tuple[FaceRun, ...], shape: BaseGeometry) -> list[Stop]:
+def _edges(side: Side, room: str, ring: tuple[Point, ...], faces: tuple[FaceRun, ...], shape: BaseGeometry) -> list[Stop]:
     axis, across = side.axis, 1 - side.axis
     stops = []
     for a, b in zip(ring, (*ring[1:], ring[0]), strict=True):
@@ -81,7 +122,7 @@ def _edges(side: Side, ring: tuple[Point, ...], faces: tuple[FaceRun, ...], shap
         face = face_under(a, b, axis, faces)
         outer = max(a, b, key=lambda point: side.outward * point[across])
         if face is not None and _in_sight(side, outer, face, shape):
-            stops.append(Stop(face.run.plane, float(face.offset_m), outer, length))
+            stops.append(Stop(face.run.plane, face.facing, float(face.offset_m), outer, length, frozenset((room,))))
     return stops
 
 
@@ -95,20 +136,22 @@ def _in_sight(side: Side, corner: Point, face: FaceRun, shape: BaseGeometry) -> 
     return bool(LineString(ends).intersection(shape).length < CROSSED_M)
 
 
-def _chain(side: Side, stops: tuple[Stop, ...], shape: BaseGeometry, covariance_m2: Array, plane_ids: tuple[str, ...]) -> list[Dimension]:
+def _spans(stops: tuple[Stop, ...]) -> list[tuple[DimensionRole, Stop, Stop]]:
     """The bays between neighbouring stops, and first to last; one bay is the overall length itself."""
-    overall = (DimensionRole.OVERALL, stops[0], stops[-1])
-    spans = [(DimensionRole.CHAIN, a, b) for a, b in pairwise(stops)] if len(stops) > 2 else []
+    bays = [(DimensionRole.CHAIN, low, high) for low, high in pairwise(stops)] if len(stops) > 2 else []
+    return [*bays, (DimensionRole.OVERALL, stops[0], stops[-1])]
+
+
+def _dimension(
+    role: DimensionRole, side: Side, low: Stop, high: Stop, shape: BaseGeometry, covariance_m2: Array, plane_ids: tuple[str, ...]
+) -> Dimension:
     edge = shape.bounds[(1 - side.axis) + (2 if side.outward > 0 else 0)]
-    dimensions = []
-    for role, low, high in (*spans, overall):
-        out = edge + side.outward * (CHAIN_OUT_M if role is DimensionRole.CHAIN else OVERALL_OUT_M)
-        middle = (low.offset_m + high.offset_m) / 2
-        line = (middle, float(out)) if side.axis == 0 else (float(out), middle)
-        ids = plane_ids[low.plane], plane_ids[high.plane]
-        sigma = _sigma_m(low.plane, high.plane, covariance_m2)
-        dimensions.append(Dimension("", role, *ids, side.axis, high.offset_m - low.offset_m, sigma, low.at, high.at, line))
-    return dimensions
+    out = float(edge + side.outward * (CHAIN_OUT_M if role is DimensionRole.CHAIN else OVERALL_OUT_M))
+    middle = (low.offset_m + high.offset_m) / 2
+    line = (middle, out) if side.axis == 0 else (out, middle)
+    ids = plane_ids[low.plane], plane_ids[high.plane]
+    sigma = _sigma_m(low.plane, high.plane, covariance_m2)
+    return Dimension("", role, *ids, side.axis, high.offset_m - low.offset_m, sigma, low.at, high.at, line)
 
 
 def _sigma_m(a: int, b: int, covariance_m2: Array) -> float:

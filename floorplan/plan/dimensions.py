@@ -69,11 +69,18 @@ def _clear_stretches(faces: tuple[FaceRun, ...], i: int, j: int) -> list[FacingP
 def wall_to_wall(
     faces: tuple[FaceRun, ...], rooms: tuple[Room, ...], covariance_m2: Array, plane_ids: tuple[str, ...]
 ) -> tuple[Dimension, ...]:
-    """One dimension per pair of faces and room, its line placed clear of the others' texts and of the room stamps."""
+    """The distances between faces of each room that do not follow from others, lines clear of the others' texts and of room stamps.
+
+    As on any drawing: k walls of one room across an axis are placed by k - 1 numbers, those with the longest stretch in common.
+    """
+    tied: dict[tuple[str, int], list[frozenset[int]]] = {}
     taken = [_stamp_box(room) for room in rooms]
     dimensions: list[Dimension] = []
     for stretch in _room_stretches(faces, rooms):
         lower, upper = faces[stretch.pair.lower], faces[stretch.pair.upper]
+        known = tied.get((stretch.room, lower.axis), [])
+        if any({lower.run.plane, upper.run.plane} <= planes for planes in known):
+            continue  # the sum or difference of others
         at = _clear_position(stretch, faces, taken)
         start, end = point_on(lower, at), point_on(upper, at)
         new = Dimension(
@@ -92,7 +99,14 @@ def wall_to_wall(
         if not any(_same_distance(new, old) for old in dimensions):
             taken.append(_text_box(lower, upper, at))
             dimensions.append(new)
+        tied[stretch.room, lower.axis] = _joined(known, frozenset((lower.run.plane, upper.run.plane)))
     return tuple(dimensions)
+
+
+def _joined(groups: list[frozenset[int]], ends: frozenset[int]) -> list[frozenset[int]]:
+    """Groups of planes whose distances are known, with those joined that `ends` connects."""
+    apart = [group for group in groups if not group & ends]
+    return [*apart, ends.union(*(group for group in groups if group & ends))]
 
 
 def _same_distance(a: Dimension, b: Dimension) -> bool:

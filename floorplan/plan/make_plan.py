@@ -101,8 +101,8 @@ def _dimensions(
 ) -> tuple[Dimension, ...]:
     """Inside the rooms, outside in chains, and heights, numbered through."""
     ids = tuple(plane.id for plane in planes)
-    inside, chains = wall_to_wall(faces, rooms, cov, ids), outside_chains(faces, rooms, cov, ids)
-    return numbered(inside + chains + height_dimensions(rooms, levels, planes, cov))
+    drawn = outside_chains(faces, rooms, wall_to_wall(faces, rooms, cov, ids), cov, ids)
+    return numbered(drawn + height_dimensions(rooms, levels, planes, cov))
 
 
 @dataclass(frozen=True)

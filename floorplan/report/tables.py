@@ -74,13 +74,14 @@ def accuracy_rows(plan: Plan) -> tuple[AccuracyRow, ...]:
 
 
 def plane_rows(results: Results) -> tuple[PlaneRow, ...]:
-    """Every plane of the plan; its order is that of the solution."""
+    """Every plane of the plan: those of the solution in its order, then lines found in the readings, which have no rows."""
     graph, solution = results.layout.graph, results.solution
     scale = solution.calibration.scale if solution.calibration else 1.0
     plane = solution.plane_of_track[graph.track]
     predicted = solution.plane_offset_m[plane] - solution.position_m[graph.frame, graph.axis[graph.track]]
-    square = np.bincount(plane, (predicted - scale * graph.distance_m) ** 2, len(solution.plane_axis))
-    rows = np.bincount(plane, minlength=len(solution.plane_axis))
+    planes = max(len(results.plan.planes), len(solution.plane_axis))
+    square = np.bincount(plane, (predicted - scale * graph.distance_m) ** 2, planes)
+    rows = np.bincount(plane, minlength=planes)
     residual = np.sqrt(square / np.maximum(rows, 1))
     return tuple(
         PlaneRow(

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from dataclasses import dataclass, field
 
-from floorplan.model.plan import Dimension, DimensionRole, Plan, Point
+from floorplan.model.plan import Dimension, DimensionRole, Plan, Point, Room
 from floorplan.writers.dimension_spots import CLEARANCE_MM, TEXT_GAP_MM, TEXT_HEIGHT_MM, point_at, span
 from floorplan.writers.occupancy import Rectangle
 from floorplan.writers.placed_dimension import PlacedDimension, dimension_label
@@ -50,26 +50,40 @@ class _Line:
 
 def place_chains(plan: Plan, extents: Rectangle, scale: Scale, units: UnitStyle) -> tuple[PlacedDimension, ...]:
     """All chains and overall dimensions of a plan whose walls and rooms lie in `extents`, in the plan's order."""
-    sides: dict[tuple[int, float], dict[DimensionRole, list[Dimension]]] = defaultdict(lambda: defaultdict(list))
-    for dimension in plan.dimensions:
-        if is_outside(dimension):
-            sides[dimension.axis, _outward(dimension, extents)][dimension.role].append(dimension)
+    sides: dict[tuple[int, float], list[Dimension]] = defaultdict(list)
+    for dimension in outside(plan):
+        sides[dimension.axis, _outward(dimension, extents)].append(dimension)
     placed: dict[str, PlacedDimension] = {}
-    for (axis, sign), roles in sides.items():
+    for (axis, sign), dimensions in sides.items():
         track = Track(axis, sign, _edge(extents, axis, sign))
         out = scale.model_m(FIRST_LINE_MM)
-        for role in OUTSIDE:
-            if roles[role]:
+        whole = [d for d in dimensions if d.role is DimensionRole.OVERALL or _spans_another(d, dimensions)]
+        for members in ([d for d in dimensions if d not in whole], whole):
+            if members:
                 line = _Line()
-                for one in _placed_line(roles[role], track, out, line, scale, units):
+                for one in _placed_line(members, track, out, line, scale, units):
                     placed[one.dimension.id] = one
                 out += line.reach_m + scale.model_m(NEXT_LINE_MM)
     return tuple(placed[d.id] for d in plan.dimensions if d.id in placed)
 
 
-def is_outside(dimension: Dimension) -> bool:
-    """Whether a dimension belongs to a chain outside the plan."""
-    return dimension.role in OUTSIDE and dimension.axis < 2
+def outside(plan: Plan) -> tuple[Dimension, ...]:
+    """The dimensions that stand outside: chains, lengths over all, and sizes of rooms that a chain took over, whose line left the room."""
+    rooms = {room.id: room for room in plan.rooms}
+    return tuple(d for d in plan.dimensions if d.axis < 2 and (d.role in OUTSIDE or _has_left(d, rooms.get(d.room))))
+
+
+def _has_left(dimension: Dimension, room: Room | None) -> bool:
+    if room is None or dimension.role is not DimensionRole.ROOM:
+        return False
+    across = [point[1 - dimension.axis] for point in room.outline]
+    return not min(across) <= dimension.line[1 - dimension.axis] <= max(across)
+
+
+def _spans_another(dimension: Dimension, others: list[Dimension]) -> bool:
+    """Whether a dimension runs over one of `others`: then it is the length over all, whatever room it is the size of as well."""
+    low, high = span(dimension)
+    return any(low <= span(d)[0] and span(d)[1] <= high for d in others if d is not dimension and span(d) != (low, high))
 
 
 def _outward(dimension: Dimension, extents: Rectangle) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from shapely import LineString, Polygon, prepare
 
 from floorplan.model.plan import Dimension, DimensionRole, Plan, Point
+from floorplan.writers.chain_layout import outside
 from floorplan.writers.dimension_spots import STEP_MM, TEXT_HEIGHT_MM, Spot, point_at, span, spots, text_box
 from floorplan.writers.occupancy import LINE_WEIGHT, SYMBOL_WEIGHT, TEXT_WEIGHT, WALL_WEIGHT, Occupancy, Rectangle
 from floorplan.writers.placed_dimension import PlacedDimension, dimension_label
@@ -21,7 +22,7 @@ ALONG_WALL_COST = 60.0  # a dimension line that runs on a wall line is not seen
 CROSSES_DOOR_COST = 5.0  # a line through a door's swing
 ROOM_SLACK_M = 0.02  # a room's outline and its dimension's ends may differ by rounding
 COLLIDES = WALL_WEIGHT  # a place that costs as much lies on a wall, on words or on several lines
-RINGS, DIRECTIONS, LINES = 16, 16, 6  # words that find no place at their line are led aside: how far, which ways, from how many lines
+RINGS, DIRECTIONS, LINES = 8, 16, 6  # words that find no place at their line are led aside: how far (32 mm), what ways, from how many lines
 
 
 def place_sizes(plan: Plan, field: Rectangle, scale: Scale, units: UnitStyle, occupied: Occupancy) -> tuple[PlacedDimension, ...]:
@@ -32,7 +33,8 @@ def place_sizes(plan: Plan, field: Rectangle, scale: Scale, units: UnitStyle, oc
     rooms = {room.id: Polygon(room.outline, room.holes).buffer(ROOM_SLACK_M) for room in plan.rooms}
     for polygon in rooms.values():
         prepare(polygon)
-    sizes = [d for d in plan.dimensions if d.role == DimensionRole.ROOM and d.axis < 2]
+    moved_out = {dimension.id for dimension in outside(plan)}
+    sizes = [d for d in plan.dimensions if d.role == DimensionRole.ROOM and d.axis < 2 and d.id not in moved_out]
     placer = _Placer(field, scale, units, occupied)
     placed = (placer.place(dimension, rooms.get(dimension.room)) for dimension in sizes)
     return tuple(one for one in placed if one is not None)

@@ -14,7 +14,7 @@ from floorplan.writers.dxf_blocks import OPENING_BLOCKS, STAMP_BLOCK, WIDTH_TAG,
 from floorplan.writers.dxf_dimensions import add_dimension_style, add_dimensions
 from floorplan.writers.dxf_document import APPLICATION, SCREEN_ASPECT, VIEW_MARGIN, model_per_mm
 from floorplan.writers.layers import Layer
-from floorplan.writers.plan_scene import line_notes, open_side_notes
+from floorplan.writers.plan_scene import line_notes
 from floorplan.writers.scene import Label
 from floorplan.writers.stamp_layout import PlacedStamp
 
@@ -101,7 +101,7 @@ def _draw_walls(space: ModelSpace) -> None:
         space.line(Layer.WALL, (free.start, free.end), free.id)
     for glazing in plan.glazing:
         space.line(Layer.GLAZING, (glazing.start, glazing.end), glazing.id)
-    for note in (*line_notes(space.composition), *open_side_notes(space.composition)):
+    for note in line_notes(space.composition):
         _draw_note(space, note)
     for column in plan.columns:
         space.line(Layer.COLUMN, column.outline, column.id, closed=True)

@@ -2,18 +2,20 @@
 
 import itertools
 import math
+from collections.abc import Iterator
 
 from floorplan.config import ProjectConfig
-from floorplan.model.plan import FreeLine, Glazing, OpeningKind, Point
+from floorplan.model.plan import OpeningKind, Point
 from floorplan.writers.composition import Composition
 from floorplan.writers.dimension_spots import TEXT_HEIGHT_MM, TICK_MM
 from floorplan.writers.door_symbol import UNIT_LEAF, UNIT_LINE, DoorSymbol, unit_arc, window_lines
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.layers import DASHED, PATH_DASH_MM, Layer
+from floorplan.writers.occupancy import TEXT_WEIGHT, Occupancy, Rectangle
 from floorplan.writers.placed_dimension import PlacedDimension
 from floorplan.writers.scene import Align, Fill, Item, Label, Scene, Stroke
 from floorplan.writers.sheet_scene import frame_items, note_items, schedule_items, symbol_items, value_items
-from floorplan.writers.stamp_layout import PlacedStamp
+from floorplan.writers.stamp_layout import PlacedStamp, stamp_rectangle
 from floorplan.writers.text_size import text_width
 
 EXTENSION_GAP_MM = 0.8  # between the face and its extension line
@@ -76,28 +78,46 @@ def _lines(composition: Composition) -> list[Item]:
     for glazing in plan.glazing:
         items.append(_stroke(composition, Layer.GLAZING, (glazing.start, glazing.end)))
     items += [Stroke(Layer.NOTE, _on_paper(composition, side), dash_mm=OPEN_DOTS_MM) for side in composition.open_sides]
-    return [*items, *line_notes(composition), *open_side_notes(composition)]
-
-
-def open_side_notes(composition: Composition) -> list[Label]:
-    """`not seen` along the longest open sides of rooms."""
-    notes = []
-    for side in composition.open_sides[:WORDED_SIDES]:
-        start, end = max(itertools.pairwise(side), key=lambda piece: math.dist(*piece))
-        notes.append(_words_along(composition, start, end, "not seen"))
-    return [label for label in notes if label is not None]
+    return [*items, *line_notes(composition)]
 
 
 def line_notes(composition: Composition) -> list[Label]:
-    """Words along free lines and glazing, where the line is long enough on paper to carry them; many lines carry their ids alone."""
+    """Words along free lines, glazing and open sides that have room for them; many lines carry their ids alone.
+
+    Dimensions and room stamps come first: words that would lie on them, or on other words, move along their line or are left out.
+    """
     plan = composition.plan
     few = len(plan.free_lines) <= WORDED_LINES
-    worded = [
-        _line_note(composition, line, f"{line.id}  {line.off_axis_deg:.1f}° off axis" if few else line.id) for line in plan.free_lines
-    ]
+    worded = [(line.start, line.end, f"{line.id}  {line.off_axis_deg:.1f}° off axis" if few else line.id) for line in plan.free_lines]
     longest = sorted(plan.glazing, key=lambda pane: math.dist(pane.start, pane.end))[-1:]
-    worded += [_line_note(composition, pane, "glazing") for pane in longest]
-    return [label for label in worded if label is not None]
+    worded += [(pane.start, pane.end, "glazing") for pane in longest]
+    for side in composition.open_sides[:WORDED_SIDES]:
+        worded.append((*max(itertools.pairwise(side), key=lambda piece: math.dist(*piece)), "not seen"))
+    taken, placed = Occupancy(), []
+    for dimension in composition.dimensions:
+        taken.add(_on_paper_box(composition, dimension.text_box), TEXT_WEIGHT)
+    for stamp in composition.stamps:
+        taken.add(_on_paper_box(composition, stamp_rectangle(stamp, composition.scale)), TEXT_WEIGHT)
+    for start, end, text in worded:
+        for label in _words_along(composition, start, end, text):
+            box = _label_box(label)
+            if taken.cost(box) == 0.0:
+                taken.add(box, TEXT_WEIGHT)
+                placed.append(label)
+                break
+    return placed
+
+
+def _on_paper_box(composition: Composition, box: Rectangle) -> Rectangle:
+    return Rectangle.around((composition.paper((box.x0, box.y0)), composition.paper((box.x1, box.y1))))
+
+
+def _label_box(label: Label) -> Rectangle:
+    """The upright box around words turned about the middle of their baseline."""
+    angle, half = math.radians(label.rotation_deg), text_width(label.text, label.height_mm) / 2
+    along, up = (math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))
+    corners = [(side * half, height) for side in (-1, 1) for height in (0.0, label.height_mm)]
+    return Rectangle.around((label.at[0] + a * along[0] + h * up[0], label.at[1] + a * along[1] + h * up[1]) for a, h in corners)
 
 
 def _on_paper(composition: Composition, points: tuple[Point, ...]) -> tuple[Point, ...]:
@@ -110,20 +130,19 @@ def _stroke(composition: Composition, layer: Layer, points: tuple[Point, ...]) -
     return Stroke(layer, _on_paper(composition, points[:-1] if closed else points), closed, dash_mm=dash)
 
 
-def _line_note(composition: Composition, line: FreeLine | Glazing, text: str) -> Label | None:
-    return _words_along(composition, line.start, line.end, text)
-
-
-def _words_along(composition: Composition, start: Point, end: Point, text: str) -> Label | None:
-    """Words along a line, never upside down; None where the line is shorter than its words."""
+def _words_along(composition: Composition, start: Point, end: Point, text: str) -> Iterator[Label]:
+    """Words along a line, never upside down: on its middle, then towards its ends; none where the line is shorter than its words."""
     a, b = composition.paper(start), composition.paper(end)
-    if math.dist(a, b) < text_width(text, LINE_NOTE_MM):
-        return None
+    free = math.dist(a, b) - text_width(text, LINE_NOTE_MM)
+    if free < 0:
+        return
     if (b[0], b[1]) < (a[0], a[1]):
         a, b = b, a
     angle = math.atan2(b[1] - a[1], b[0] - a[0])
-    x, y = (a[0] + b[0]) / 2 - math.sin(angle) * 1.0, (a[1] + b[1]) / 2 + math.cos(angle) * 1.0
-    return Label(Layer.NOTE, text, (x, y), LINE_NOTE_MM, Align.MIDDLE, math.degrees(angle))
+    for slide in (0.0, -0.25, 0.25, -0.45, 0.45):
+        x = (a[0] + b[0]) / 2 - math.sin(angle) * 1.0 + slide * free * math.cos(angle)
+        y = (a[1] + b[1]) / 2 + math.cos(angle) * 1.0 + slide * free * math.sin(angle)
+        yield Label(Layer.NOTE, text, (x, y), LINE_NOTE_MM, Align.MIDDLE, math.degrees(angle))
 
 
 def _opening(composition: Composition, door: DoorSymbol) -> list[Item]:

@@ -9,7 +9,7 @@ from floorplan.config import DrawingConfig
 from floorplan.model.plan import Wall
 from floorplan.writers.composition import compose
 from floorplan.writers.open_sides import open_sides
-from floorplan.writers.plan_scene import open_side_notes
+from floorplan.writers.plan_scene import line_notes
 from tests.sample_plan import sample_plan
 
 
@@ -30,6 +30,6 @@ def test_the_missing_wall_of_a_partly_seen_room_is_its_open_side() -> None:
 def test_open_sides_are_worded_where_the_words_fit() -> None:
     plan = sample_plan()
     lacking = replace(plan, walls=tuple(wall for wall in plan.walls if wall.id != "W17"))
-    (label,) = [label for label in open_side_notes(compose(lacking, DrawingConfig(scale="1:50", sheet="A2"))) if label.rotation_deg]
-    assert label.text == "not seen"
+    notes = line_notes(compose(lacking, DrawingConfig(scale="1:50", sheet="A2")))
+    assert len([label for label in notes if label.rotation_deg and label.text == "not seen"]) == 1
     assert isinstance(plan.walls[0], Wall)
