@@ -34,7 +34,8 @@ def weighted_resolve(
     offset, covariance = np.zeros(count), np.zeros((count, count))
     for one in known if known is not None else known_systems(graph, noise):
         mine, member = np.unique(plane_of_track[one.system.tracks], return_inverse=True)
-        blurred = one.covariance_m2 + noise.bias_sigma_m**2 * np.eye(len(member))
+        blurred = one.covariance_m2.copy()
+        np.fill_diagonal(blurred, blurred.diagonal() + noise.bias_sigma_m**2)
         offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(one.solution.offset_m, blurred, member, _tie_rows(ties, mine))
         place[:, list(one.system.axes)] = solve(one.system, pulled).position_m
     cross = planes.axis[:, None] != planes.axis[None, :]
@@ -74,7 +75,7 @@ def _joined(offset_m: Array, blurred: Array, member: Array, ties: _TieRows) -> t
     """Generalised least squares of `offset = G plane + error`, covariance `blurred` Q: planes, theirs, `Q^-1 (G plane - offset)`."""
     G = np.zeros((len(member), ties.H.shape[1]))
     G[np.arange(len(member)), member] = 1.0
-    factor = cho_factor(blurred, lower=True)
+    factor = cho_factor(blurred, lower=True, overwrite_a=True)
     heavy = cho_solve(factor, G)
     covariance = np.linalg.inv(G.T @ heavy)
     plane = covariance @ (heavy.T @ offset_m)

@@ -21,6 +21,7 @@ from floorplan.errors import ConfigError, WorkFolderError
 from floorplan.export import export_graph, read_merges, read_results
 from floorplan.graph_file import load_graph
 from floorplan.simulate import simulate
+from floorplan.solve_graph import solve_graph
 from floorplan.work.folder import read_owner
 from floorplan.work.stages import LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, STAGES
 from floorplan.work.status import stages_status
@@ -201,7 +202,7 @@ def test_a_drawing_setting_makes_no_stage_again(scan: Path, work: Path) -> None:
     build(Job(scan, work, Config()))
 
 
-def test_the_layout_graph_is_exported_before_and_after_it_is_solved(scan: Path, work: Path, tmp_path: Path) -> None:
+def test_the_layout_graph_is_exported_before_and_after_it_is_solved_and_has_the_builds_planes(scan: Path, work: Path, tmp_path: Path) -> None:
     early = tmp_path / "work"
     early.mkdir()
     for kept in ("work.json", "config.toml"):
@@ -215,6 +216,13 @@ def test_the_layout_graph_is_exported_before_and_after_it_is_solved(scan: Path, 
     assert len(graphs[1].axis) == len(read_results(work).layout.tracks.axis)
     for name in ("stamp_s", "translation_m", "frame", "track", "distance_m", "axis", "facing", "extent_m", "sigma_m"):
         np.testing.assert_array_equal(getattr(graphs[0], name), getattr(graphs[1], name))
+    # `floorplan solve` on the graph of the segments gives the planes of the whole build, and how well they are known.
+    alone, built = solve_graph(graphs[0], Config()).solution, read_results(work).solution
+    for name in ("plane_of_track", "plane_axis", "plane_facing"):
+        np.testing.assert_array_equal(getattr(alone, name), getattr(built, name))
+    for name in ("plane_offset_m", "plane_sigma_m", "position_m"):
+        np.testing.assert_allclose(getattr(alone, name), getattr(built, name), rtol=0, atol=1e-6)
+    assert np.ptp(built.plane_offset_m) > 5.0
 
 
 def test_every_hypothesis_is_listed_with_the_frames_that_saw_both_sides(work: Path) -> None:

@@ -70,7 +70,9 @@ def _mean_shift(graph: LayoutGraph, correction: Array) -> Array:
 
 
 def _with_bias(planes: Planes, bias_m: float) -> Planes:
-    return replace(planes, covariance_m2=planes.covariance_m2 + bias_m**2 * np.eye(len(planes.tracks)))
+    covariance = planes.covariance_m2.copy()
+    np.fill_diagonal(covariance, covariance.diagonal() + bias_m**2)
+    return replace(planes, covariance_m2=covariance)
 
 
 def _decided(graph: LayoutGraph, noise: ScanNoise, planes: Planes, known: Array | None) -> _Decided:
