@@ -202,7 +202,7 @@ def test_a_drawing_setting_makes_no_stage_again(scan: Path, work: Path) -> None:
     build(Job(scan, work, Config()))
 
 
-def test_the_layout_graph_is_exported_before_and_after_it_is_solved_and_has_the_builds_planes(scan: Path, work: Path, tmp_path: Path) -> None:
+def test_the_layout_graph_is_exported_before_and_after_solving_and_has_the_builds_planes(scan: Path, work: Path, tmp_path: Path) -> None:
     early = tmp_path / "work"
     early.mkdir()
     for kept in ("work.json", "config.toml"):
