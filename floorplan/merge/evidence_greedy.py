@@ -66,7 +66,7 @@ def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[A
     while level < len(margins):
         chosen = _chosen(live, count, joint, r, margins[level], unit)
         if chosen < 0 and not moved and level == len(margins) - 1:
-            chosen = halves_of_one(live, count, joint.spare)
+            chosen = halves_of_one(live, count, joint.spare, joint.component)
             if chosen >= 0:
                 _gain(live, joint, r, chosen, unit)
         if chosen < 0:

@@ -80,16 +80,21 @@ def best_pair(live: Live, count: int) -> int:
 
 
 @compiled
-def halves_of_one(live: Live, count: int, spare: Array) -> int:
+def halves_of_one(live: Live, count: int, spare: Array, component: Array) -> int:
     """The likeliest pair of components that are one plane split by choosing, or -1.
 
     Tracks of one plane that each went to the nearer of two offsets leave two halves in which everything fits better than its noise allows.
-    What was gained by choosing is no evidence for two planes: half of the chi-square left unused (`spare`) is given back to the pair.
+    What was gained by choosing is no evidence for two planes: half of the chi-square left unused (`spare`), as far as it is more than
+    chance leaves (one standard deviation of it), is given back to the pair.
     """
-    best, found = 0.0, -1
+    best, found, tracks = 0.0, -1, np.zeros(len(spare))
+    for c in component:
+        tracks[c] += 1.0
     for h in range(count):
         if live.odds[h] > NEVER and not live.waiting[h]:
-            value = live.odds[h] + 0.5 * max(spare[live.first[h]] + spare[live.second[h]], 0.0)
+            a, b = live.first[h], live.second[h]
+            unused = spare[a] + spare[b] - np.sqrt(2.0 * (tracks[a] + tracks[b] - 2.0))
+            value = live.odds[h] + 0.5 * max(unused, 0.0)
             if value > best:
                 best, found = value, h
     return found

@@ -88,9 +88,9 @@ def tracks_of_levels(seed: int, apart_m: float) -> tuple[Question, np.ndarray]:
     return question, sigma_m**2 * np.eye(count)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_one_level_is_not_split_by_each_track_choosing_the_nearer_half_and_two_levels_stay_two(seed: int) -> None:
-    """Of these seeds three were split, 8 mm apart and 5 sigma of the halves' means."""
+    """Without that, seeds 0 and 2 come out as two levels 8 mm apart, 5 sigma of the means of the halves."""
     assert len(np.unique(decide(*tracks_of_levels(seed, 0.0)).plane)) == 1
     assert len(np.unique(decide(*tracks_of_levels(seed, 0.015)).plane)) == 2
     plane = decide(*tracks_of_levels(seed, 0.05)).plane
