@@ -39,7 +39,7 @@ class NoiseScale:
 class SurfaceNormals:
     """Per pixel: `normal (H, W, 3) float32` towards the sensor, NaN where there is none; `range_m (H, W)` of the fitted
     surface, `sigma_rad (H, W)` of the normal, `residual_m (H, W)` rms of the window along the rays; `noise_m (H, W)` what
-    one reading's standard deviation should be, `weight (H, W)` of the pixel."""
+    one reading's standard deviation should be there, `weight (H, W)` of the pixel."""
 
     normal: Array
     range_m: Array
@@ -176,7 +176,11 @@ def _fit_windows(
             square_size = g0 * g0 + g1 * g1 + g2 * g2
             if determinant <= 0 or along <= 0 or along * along <= _MIN_COS_INCIDENCE * _MIN_COS_INCIDENCE * square_size * square_range:
                 continue
-            fitted[i, j] = determinant * rho / along
+            surface_m = determinant * rho / along
+            fitted[i, j] = surface_m
+            # Judged by the surface's range: by its own, a reading that is too near by chance would weigh more, and draw planes nearer.
+            sigma_m = noise[0] + noise[1] * surface_m + noise[2] * surface_m * surface_m
+            expected[i, j] = sigma_m
             residual[i, j] = math.sqrt(max(square, 0.0) / total) * square_range
             sigma[i, j] = normal_scale * sigma_m / (rho * ray_step * math.sqrt((half * half + half) / 3.0 * total))
             size = 1.0 / math.sqrt(square_size)

@@ -21,8 +21,8 @@ COLUMNS = 16  # of a fit: see `Column`
 
 
 class Column:
-    """A fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes), offset, variance,
-    share of inliers, ripple^2, blocks."""
+    """A fit's row: inlier count, weight sum, centroid x y z, scatter xx xy xz yy yz zz (sensor axes, less the noise along the
+    rays), offset, variance, share of inliers, ripple^2, blocks."""
 
     COUNT, WEIGHT, CENTROID, SCATTER, OFFSET, VARIANCE, SHARE, RIPPLE, BLOCKS = 0, 1, 2, 5, 11, 12, 13, 14, 15
 
@@ -98,6 +98,7 @@ def fit_components(
                 inlier_of[pixels[k]] = c
         _moments(flat_points, pixels, coordinate, w, sigma, offset, fits[c])
         if fits[c, 1] > 0:
+            _take_out_noise(flat_points, flat_noise, pixels, coordinate, w, sigma, rotation, axis_of[c], fits[c])
             _block_statistics(flat_points, pixels, coordinate, w, sigma, width, rotation, axis_of[c], fits[c])
     return fits, inlier_of.reshape(weight.shape)
 
@@ -147,6 +148,43 @@ def _inclination(row: Array, r: Array, axis: int) -> tuple[Array, Array]:
     det = (uu + ridge) * (vv + ridge) - uv * uv
     a, b = ((vv + ridge) * nu - uv * nv) / det, ((uu + ridge) * nv - uv * nu) / det
     return a * first + b * second, row[2:5]
+
+
+@compiled
+def _take_out_noise(
+    points: Array, noise: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, r: Array, axis: int, row: Array
+) -> None:
+    """Noise moves a point along its ray: across the surface and along it at once, which leans a surface seen at an angle towards the
+    sensor at its far end. The scatter in `row` without it; of the expected noise no more than the inliers show across."""
+    part = np.zeros(6)
+    for k in range(len(pixels)):
+        if abs(coordinate[k] - row[11]) >= INLIER_SIGMAS * sigma[k]:
+            continue
+        x, y, z = points[pixels[k], 0], points[pixels[k], 1], points[pixels[k], 2]
+        v = w[k] * noise[pixels[k]] ** 2 / (x * x + y * y + z * z)
+        part[0] += v * x * x
+        part[1] += v * x * y
+        part[2] += v * x * z
+        part[3] += v * y * y
+        part[4] += v * y * z
+        part[5] += v * z * z
+    part /= row[1]
+    gradient, _ = _inclination(row, r, axis)
+    lean = r[axis] - gradient
+    seen, expected = _square(row[5:11], lean), _square(part, r[axis])
+    if expected > 0:
+        row[5:11] -= min(max(seen / expected, 0.0), 1.0) * part
+
+
+@compiled
+def _square(six: Array, n: Array) -> float:
+    """`n^T C n` of the symmetric matrix C, given as xx xy xz yy yz zz."""
+    return float(
+        six[0] * n[0] * n[0]
+        + six[3] * n[1] * n[1]
+        + six[5] * n[2] * n[2]
+        + 2 * (six[1] * n[0] * n[1] + six[2] * n[0] * n[2] + six[4] * n[1] * n[2])
+    )
 
 
 @compiled

@@ -12,8 +12,9 @@ import numpy as np
 
 from floorplan.model.checks import Array
 from floorplan.model.segment import Segments
+from floorplan.segments.ripple import Ripple
 
-_FLATNESS_M = 0.001  # surfaces are no flatter: keeps a large near wall from deciding alone
+_FLATNESS_M = 0.0003  # of a depth in whole millimetres: what a wall met head-on shares all over
 _TILT_PRIOR_RAD = math.radians(0.5)  # of gravity's direction
 _YAW_PRIOR_RAD = math.radians(2.0)  # of the yaw the frame was labelled under
 _CAUCHY = 3.0  # standard deviations at which a segment's own inclination halves its weight
@@ -33,11 +34,8 @@ class RotationCorrections:
     shared_rad: Array
 
 
-def corrections(segments: Segments, world_from_sensor: Array, ripple_m: float) -> RotationCorrections:
-    """What the segments say about the rotations `world_from_sensor (F, 3, 3)` they were labelled under.
-
-    `ripple_m` is how far a sensor's flat surfaces bend.
-    """
+def corrections(segments: Segments, world_from_sensor: Array, ripple: Ripple) -> RotationCorrections:
+    """What the segments say about the rotations `world_from_sensor (F, 3, 3)` they were labelled under; bent ones say less."""
     count = len(world_from_sensor)
     r = world_from_sensor[segments.frame]
     scatter = r @ segments.scatter_sensor_m2 @ np.swapaxes(r, 1, 2)
@@ -45,7 +43,7 @@ def corrections(segments: Segments, world_from_sensor: Array, ripple_m: float) -
     k = -_skew(axis)
     matrix = k @ scatter @ np.swapaxes(k, 1, 2)
     vector = np.einsum("sij,sjk,sk->si", k, scatter, axis)
-    weight = 1 / (segments.sigma_m**2 + _FLATNESS_M**2 + ripple_m**2)
+    weight = 1 / (segments.sigma_m**2 + _FLATNESS_M**2 + ripple.sensor_m**2 + ripple.own_m**2)
     prior = np.diag((_TILT_PRIOR_RAD**-2, _TILT_PRIOR_RAD**-2, _YAW_PRIOR_RAD**-2))
     robust = np.ones(len(segments))
     for _ in range(_ROUNDS):
@@ -56,8 +54,8 @@ def corrections(segments: Segments, world_from_sensor: Array, ripple_m: float) -
         robust = 1 / (1 + _misfit(matrix, vector, weight, delta[segments.frame]) / _CAUCHY**2)
     variance = np.diagonal(np.linalg.inv(information + prior), axis1=1, axis2=2)
     seen = np.diagonal(information, axis1=1, axis2=2) > _LEAST_INFORMATION * np.diagonal(prior)
-    white = segments.sigma_m**2 + _FLATNESS_M**2
-    share = ripple_m**2 / (ripple_m**2 + (float(np.median(white)) if len(white) else 1.0))
+    white = segments.sigma_m**2 + _FLATNESS_M**2 + ripple.own_m**2
+    share = ripple.sensor_m**2 / (ripple.sensor_m**2 + (float(np.median(white)) if len(white) else 1.0))
     return RotationCorrections(delta, np.where(seen, np.sqrt(variance), np.inf), np.sqrt(share * variance))
 
 

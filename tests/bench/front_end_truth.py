@@ -6,18 +6,23 @@ The truth is the simulator's: poses of every frame and the planes of every surfa
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from shapely import Polygon, contains_xy
 
 from floorplan.config import TrackingConfig
 from floorplan.geometry import rotation_from_quat_xyzw, wrap_to
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan
-from floorplan.model.segment import NO_TRACK, SegmentedScan
+from floorplan.model.segment import AXIS_Z, NO_TRACK, SegmentedScan
 from floorplan.tracking import track
 
 _LARGE_PX = 500  # of the full image: the segments the bars are about
-_MATCH_M = 0.06  # a segment's plane is one of the truth's this near; planes of the truth nearer together are not told apart
+_MATCH_M = 0.06  # a segment's plane is one of the truth's this near
+_ONE_PLANE_M = 1e-3  # two ceilings, built alike
+_SAME_M = 5e-4  # offsets of one plane, as the truth rounds them
+_BESIDE_M = 0.05  # beyond the end of a face
 _NOT_FOUND = -1
 
 
@@ -62,12 +67,18 @@ def against_truth(folder: Path, scan: IngestedScan, segmented: SegmentedScan) ->
         float(np.degrees(np.sqrt(np.mean(tilt**2)))),
         int(wrong.sum()),
         float(np.sqrt(np.mean(off[found] ** 2))),
-        float(np.mean((off[found] / segmented.segments.sigma_m[found]) ** 2)),
+        float(np.mean((off[found] / np.hypot(segmented.segments.sigma_m, _lasting_m(scan, segmented))[found]) ** 2)),
         float(found.sum() / max((segmented.segments.pixels >= _LARGE_PX).sum(), 1)),
         _purity(tracks.track_of_segment, plane, segmented.segments.pixels),
         len(tracks.axis),
         float(segmented.segments.pixels[plane != _NOT_FOUND].sum() / len(scan.keyframe)),
     )
+
+
+def _lasting_m(scan: IngestedScan, segmented: SegmentedScan) -> Array:
+    """What a scale of the depth, as large as the recording says it may be, does to each distance (S,): no scan shows it to itself."""
+    accuracy = scan.recording.sensor.accuracy
+    return np.zeros(len(segmented.segments)) if accuracy is None else accuracy.scale_sigma * segmented.segments.distance_m
 
 
 def _turned(angle: float) -> Array:
@@ -86,18 +97,50 @@ def _poses_of_keyframes(trajectory: dict[str, list[float]], scan: IngestedScan) 
 
 
 def _matched(truth: dict[str, list[dict[str, float]]], poses: _TruePoses, segmented: SegmentedScan, quarter: int) -> tuple[Array, Array]:
-    """The true plane (S,) nearest to each segment as the true pose places it, _NOT_FOUND beyond `_MATCH_M`; and how far off (S,)."""
+    """The true plane (S,) of each segment as the true pose places it, _NOT_FOUND beyond `_MATCH_M`; and how far off (S,).
+
+    Planes that lie where the segment lies go first, the nearest of them: ceilings of two rooms may differ by millimetres.
+    """
     segments = segmented.segments
     planes = np.array([(p["axis"], p["facing"], p["offset"]) for p in truth["planes"]])
+    same_as = _first_of_equal(planes)
     true_axis, sign = _in_truth_axes(segments.axis.astype(int), quarter)
     own = poses.position_m[segments.frame, true_axis] + sign * segments.distance_m
     facing = sign * segments.facing
-    plane, off = np.full(len(own), _NOT_FOUND), np.full(len(own), np.inf)
+    place = poses.position_m[segments.frame] + np.einsum("sij,sj->si", poses.world_from_sensor[segments.frame], segments.centroid_sensor_m)
+    plane, off, here = np.full(len(own), _NOT_FOUND), np.full(len(own), np.inf), np.zeros(len(own), dtype=bool)
     for number, (axis, face, offset) in enumerate(planes):
         gap = own - offset
-        nearer = (true_axis == axis) & (facing == face) & (np.abs(gap) < np.minimum(np.abs(off), _MATCH_M))
-        plane[nearer], off[nearer] = number, gap[nearer]
+        near = (true_axis == axis) & (facing == face) & (np.abs(gap) < _MATCH_M)
+        lies_here = np.zeros(len(own), dtype=bool)
+        lies_here[near] = _carries(truth, int(axis), int(face), offset, place[near])
+        better = near & np.where(here == lies_here, np.abs(gap) < np.abs(off), lies_here)
+        plane[better], off[better], here[better] = same_as[number], gap[better], lies_here[better]
     return plane, off
+
+
+def _first_of_equal(planes: Array) -> Array:
+    """The number (P,) of the first plane of each run of planes that nobody could tell apart; `planes` (P, 3) sorted."""
+    axis, facing, offset = planes.T
+    new = (np.diff(axis) != 0) | (np.diff(facing) != 0) | (np.diff(offset) > _ONE_PLANE_M)
+    run = np.concatenate(([0], np.cumsum(new)))
+    return np.searchsorted(run, run)
+
+
+def _carries(truth: dict[str, Any], axis: int, facing: int, offset: float, place_m: Array) -> Array:
+    """Whether a wall's face or a room's ceiling on that plane is where each point (N, 3) is; of furniture nothing is said."""
+    found = np.zeros(len(place_m), dtype=bool)
+    if axis == AXIS_Z:
+        for space in truth["spaces"] if facing < 0 else ():
+            if abs(space["ceiling_m"] - offset) < _SAME_M:
+                room = Polygon(space["outline"], space["holes"]).buffer(_BESIDE_M)
+                found |= contains_xy(room, place_m[:, 0], place_m[:, 1])
+        return found
+    along = place_m[:, 1 - axis]
+    for face in truth["faces"]:
+        if face["axis"] == axis and face["facing"] == facing and abs(face["offset"] - offset) < _SAME_M:
+            found |= (along > face["start"] - _BESIDE_M) & (along < face["end"] + _BESIDE_M)
+    return found
 
 
 def _in_truth_axes(axis: Array, quarter: int) -> tuple[Array, Array]:

@@ -1,0 +1,30 @@
+"""By how much flat surfaces come out bent: the sensor's own ripple, and what single segments show beyond it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from floorplan.model.checks import Array
+from floorplan.segments.values import SegmentedChunk
+
+_LEAST_BLOCKS = 12  # of a segment whose ripple can be told from noise
+_ORDINARY = 2.0  # the sensor's own ripple varies by this factor from surface to surface
+
+
+@dataclass(frozen=True)
+class Ripple:
+    """`sensor_m` of the typical flat surface; `own_m (S,)` of each segment where it is out of the ordinary: two surfaces in one, a pane
+    before a wall."""
+
+    sensor_m: float
+    own_m: Array
+
+
+def ripple_of(chunks: Sequence[SegmentedChunk]) -> Ripple:
+    """The ripple of a whole recording, from the larger segments' blocks of pixels; chunks in the order of their segments."""
+    square = np.concatenate([np.zeros(0), *(c.ripple_m2 for c in chunks)])
+    large = np.concatenate([np.zeros(0), *(c.blocks for c in chunks)]) >= _LEAST_BLOCKS
+    typical = max(float(np.median(square[large])), 0.0) if large.any() else 0.0
+    excess = np.maximum(square - _ORDINARY**2 * typical, 0.0)
+    return Ripple(float(np.sqrt(typical)), np.sqrt(np.where(large, excess, 0.0)))
