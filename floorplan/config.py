@@ -17,6 +17,8 @@ class ReadConfig:
     cx: float = 0.0
     cy: float = 0.0
     depth_scale: float = 0.0  # depth units per metre: 1000 for millimetres, 5000 in the TUM sets
+    range_scale: float = 1.0  # what the sensor reads for a true metre: readings are divided by it, after the offset is taken off
+    range_offset_mm: float = 0.0  # what every reading is too long by (too short: negative)
     world_up: str = ""  # axis of the odometry's world that points up: "+z", "-y", ...
     range_topic: str = ""  # of a ROS bag: depth images, sweeps or clouds; empty: the only one there is
     pose_topic: str = ""  # of a ROS bag: Odometry, PoseStamped, ...; empty: the only one there is, else tf

@@ -5,17 +5,22 @@ from dataclasses import dataclass
 from floorplan.config import Config
 from floorplan.errors import InputError
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
+from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import AXIS_Z, SegmentedScan, Tracks
 
 
 @dataclass(frozen=True)
 class InitialLayout:
-    """Initial layout planes, the graph of their measurements, and its least squares solution."""
+    """Initial layout planes, the graph of their measurements, its least squares solution, and what that shows of the depth's own errors.
+
+    `range_bias` None: rows without weights, or several scans in one.
+    """
 
     tracks: Tracks
     graph: LayoutGraph
     least_squares: LeastSquaresSolution
+    range_bias: RangeBias | None = None
 
     def before_merge(self, method: str) -> LeastSquaresSolution:
         """The least squares that the merge of `method` starts from: the published one's is unweighted, whatever was asked for."""
@@ -36,7 +41,19 @@ def initial_layout(scan: IngestedScan, segmented: SegmentedScan, config: Config)
             f"no wall found: {len(segmented.segments)} flat surfaces in {len(scan.keyframe)} frames, none of them an upright one along a "
             "common direction; see what 'floorplan info' says of ranges, intrinsics and gravity, and record walls from 1 to 4 m away"
         )
-    return InitialLayout(tracks, graph, least_squares(graph, config.least_squares))
+    solved = least_squares(graph, config.least_squares)
+    return InitialLayout(tracks, graph, solved, _range_bias(scan, segmented, tracks, graph, solved))
+
+
+def _range_bias(
+    scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks, graph: LayoutGraph, solved: LeastSquaresSolution
+) -> RangeBias | None:
+    from floorplan.range_bias import estimate_range_bias, offset_lever
+
+    if solved.noise is None or scan.parts:
+        return None
+    lever = offset_lever(graph, segmented.segments, tracks, scan.recording.sensor.kind)
+    return estimate_range_bias(graph, solved.noise, solved, lever)
 
 
 def tracked_graph(scan: IngestedScan, segmented: SegmentedScan, config: Config) -> tuple[Tracks, LayoutGraph]:

@@ -71,8 +71,9 @@ def summary(results: Results, paths: Trajectories, scan_path: Path, work: Path, 
     seconds = {folder: record["seconds"] for folder, record in _records(work).items()}
     returns = _returns_to_start(results, scan_path, config)
     key = root_key(work, returns, config)
+    layout = results.layout
     return summarise(
-        results.scan, results.layout.tracks, results.merged, results.solution, paths, returns, results.problems, seconds, key
+        results.scan, layout.tracks, results.merged, results.solution, paths, returns, layout.range_bias, results.problems, seconds, key
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.model.graph import LayoutSolution, MergeResult
+from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan, Problem, Trajectory, Wheels
 from floorplan.model.segment import Tracks
 from floorplan.trajectory import path_length_m
@@ -35,8 +36,9 @@ class Drift:
 class Summary:
     """The paper's table for one scan; `drift` is None where nothing says that the walk ended where it began.
 
-    `complexity_reduction` = 1 - final planes / initial planes. `wheels` is what
-    a laser's sweeps say about its robot's odometry. `problems` are the bad data met; `key` stands for the stages this table was made from.
+    `complexity_reduction` = 1 - final planes / initial planes. `wheels` is what a laser's sweeps say about its robot's odometry,
+    `range_bias` what the scan shows of its depth's own errors, None where nothing was estimated. `problems` are the bad data met;
+    `key` stands for the stages this table was made from.
     """
 
     format: str
@@ -55,6 +57,7 @@ class Summary:
     delta_m: float
     drift: Drift | None
     wheels: Wheels | None
+    range_bias: RangeBias | None
     problems: tuple[Problem, ...]
     seconds: Mapping[str, float]
     key: str
@@ -67,6 +70,7 @@ def summarise(
     solution: LayoutSolution,
     trajectories: Trajectories,
     returns_to_start: bool,
+    range_bias: RangeBias | None,
     problems: tuple[Problem, ...],
     seconds: Mapping[str, float],
     key: str,
@@ -90,6 +94,7 @@ def summarise(
         delta_m=merged.delta_m,
         drift=_drift(trajectories) if returns_to_start else None,
         wheels=scan.wheels,
+        range_bias=range_bias,
         problems=problems,
         seconds=seconds,
         key=key,

@@ -5,6 +5,7 @@ import numpy as np
 from floorplan.model.advice import Advice
 from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Certainty, Dimension, Plan, PlanPlane
+from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import NANOSECONDS_PER_SECOND
 from floorplan.model.segment import AXIS_Z
 from floorplan.recording_advice import recording_advice
@@ -21,8 +22,23 @@ def survey_advice(results: Results) -> tuple[Advice, ...]:
     """The walk's faults, then the plan's, by what they cost."""
     plan = results.plan
     found = [*recording_advice(results.scan.recording), _blind(results), _weak_walls(plan), _inferred(plan), _wide(plan)]
-    found += [_unvisited(plan)]
+    found += [_unvisited(plan), *range_advice(results.layout.range_bias)]
     return tuple(one for one in found if one is not None)
+
+
+def range_advice(bias: RangeBias | None) -> tuple[Advice, ...]:
+    """Errors of the depth that are larger than the scan's doubt about them, with the settings that take them out."""
+    found = []
+    if bias is not None and bias.scale_is_significant:
+        interval = 100 * NORMAL_95 * bias.scale_sigma
+        fact = f"ranges are {100 * bias.scale:+.1f} % +-{interval:.1f} long against the steps of the odometry, and either may be at fault"
+        way = f"measure one long distance by hand and give it with --laser; if it is the depth, --set read.range_scale={1 + bias.scale:.4f}"
+        found.append(Advice("range-scale", fact, way))
+    if bias is not None and bias.offset_is_significant:
+        interval = 1000 * NORMAL_95 * bias.offset_sigma_m
+        fact = f"every range is {1000 * bias.offset_m:+.0f} mm +-{interval:.0f} off, near and far surfaces say"
+        found.append(Advice("range-offset", fact, f"--set read.range_offset_mm={1000 * bias.offset_m:.0f} takes it out"))
+    return tuple(found)
 
 
 def _blind(results: Results) -> Advice | None:

@@ -12,6 +12,7 @@ from floorplan.readers.base import BadFrame, Reader, Source
 from floorplan.readers.carmen import CarmenReader
 from floorplan.readers.choices import Choice, recordings_in
 from floorplan.readers.clouds import CloudsReader
+from floorplan.readers.corrected import corrected
 from floorplan.readers.polycam import PolycamReader
 from floorplan.readers.record3d import Record3dReader
 from floorplan.readers.ros import RosReader
@@ -44,7 +45,8 @@ def open_scan(path: Path, format: str | None = None, config: ReadConfig | None =
     Raises `InputError` when there is nothing at `path`, when no reader recognises it, or when the recording
     cannot be used at all; `UsageError` when there is no format of that name.
     """
-    return reader_for(path, format).open(path, config or ReadConfig())
+    config = config or ReadConfig()
+    return corrected(reader_for(path, format).open(path, config), config)
 
 
 def reader_for(path: Path, format: str | None = None) -> Reader:

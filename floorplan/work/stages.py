@@ -26,7 +26,7 @@ class Stage:
 
 INGEST = Stage("1-ingest", 1, ("read", "ingest"), ("ingest", "readers", "trim", "several.join", "several.lay", "several.start"))
 SEGMENTS = Stage("2-segments", 1, ("compass", "segments"), ("chunked_segments", "readers", "several.turned"), ("1-ingest",))
-LEAST_SQUARES = Stage("3-least-squares", 2, ("tracking", "least_squares"), ("initial_layout",), ("1-ingest", "2-segments"))
+LEAST_SQUARES = Stage("3-least-squares", 3, ("tracking", "least_squares"), ("initial_layout",), ("1-ingest", "2-segments"))
 MERGE = Stage("4-merge", 2, ("merge", "edits"), ("merge", "edits.merges"), ("3-least-squares",))
 RESOLVE = Stage("5-resolve", 2, ("resolve", "corrections"), ("resolve", "laser.calibrate", "laser.table"), ("3-least-squares", "4-merge"))
 PLAN = Stage(
