@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from floorplan.frontal import log_marginal_likelihood
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.model.noise import ScanNoise
@@ -18,7 +19,7 @@ from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import SensorKind
 from floorplan.model.segment import NO_TRACK, Segments, Tracks
 from floorplan.noise import windowed
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system, log_likelihood
+from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system
 from floorplan.windows import Window, windows
 
 _STEP = (1e-3, 1e-3)  # of scale (a part) and offset (m): the likelihood is quadratic, any step would do
@@ -89,7 +90,7 @@ def _quadratic(graph: LayoutGraph, noise: ScanNoise, columns: Array, axes: tuple
 
     def cost(scale_steps: float, offset_steps: float) -> float:
         off = columns @ (scale_steps * _STEP[0], offset_steps * _STEP[1])
-        return -log_likelihood(build_system(replace(graph, distance_m=graph.distance_m - off), noise, axes))
+        return -log_marginal_likelihood(build_system(replace(graph, distance_m=graph.distance_m - off), noise, axes).eliminated)
 
     middle, right, left, up, down, both = cost(0, 0), cost(1, 0), cost(-1, 0), cost(0, 1), cost(0, -1), cost(1, 1)
     gradient = np.array(((right - left) / 2, (up - down) / 2))

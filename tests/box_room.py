@@ -1,7 +1,7 @@
 """A box room seen by a small depth camera, rendered exactly: the truth of the front end's tests."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ class BoxScan:
     world_from_sensor: Array
     rays: Array
     clutter_share: float = 0.0
+    no_wall: tuple[int, int] = (0, 0)  # from the first frame to before the second only floor and ceiling are within range
 
     @property
     def scan(self) -> IngestedScan:
@@ -39,7 +40,7 @@ class BoxScan:
         position = self.position_m[index]
         distance = np.full(direction.shape[:-1], np.inf)
         for axis in range(3):
-            for wall in ROOM_M[axis]:
+            for wall in () if axis < 2 and self.no_wall[0] <= index < self.no_wall[1] else ROOM_M[axis]:
                 with np.errstate(divide="ignore"):
                     t = (wall - position[axis]) / direction[..., axis]
                 distance = np.where((t > 0) & (t < distance), t, distance)
@@ -74,6 +75,15 @@ def camera_scan(frames: int = 24, odometry_yaw_drift_deg: float = 0.1, turn_deg:
     rays = np.stack((u, v, np.ones_like(u)), axis=-1)
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
     return _scan(sensor, rays, CAMERA_FROM_FORWARD, frames, odometry_yaw_drift_deg, turn_deg, start_yaw_deg)
+
+
+def with_heading(box: BoxScan, heading_deg: Array) -> BoxScan:
+    """The same scan under an odometry whose heading is off by `heading_deg (N,)`."""
+    odom_from_world = rotation_about_z(np.radians(heading_deg))
+    steps = np.einsum("nij,nj->ni", odom_from_world[:-1], np.diff(box.position_m, axis=0))
+    position = np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))
+    rotation = odom_from_world @ box.world_from_sensor
+    return replace(box, recording=replace(box.recording, position_m=position, odom_from_sensor=rotation))
 
 
 def laser_scan(frames: int = 24, odometry_yaw_drift_deg: float = 0.5, turn_deg: float = 6.0) -> BoxScan:

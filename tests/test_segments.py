@@ -10,8 +10,9 @@ from floorplan.compass import CompassPrior, survey
 from floorplan.config import CompassConfig, SegmentsConfig, TrackingConfig
 from floorplan.model.segment import SegmentedScan
 from floorplan.segments import frame_picture, grid_stride, join, segment_chunk, segment_frame
+from floorplan.segments.rotation import small_rotation
 from floorplan.tracking import dead_reckoning, track
-from tests.box_room import ROOM_M, BoxScan, camera_scan, laser_scan, yaw_error_rad
+from tests.box_room import ROOM_M, BoxScan, camera_scan, laser_scan, with_heading, yaw_error_rad
 
 
 def _segmented(box: BoxScan, config: SegmentsConfig, chunk: int = 10, backwards: bool = False) -> tuple[CompassPrior, SegmentedScan]:
@@ -59,6 +60,39 @@ def test_clutter_at_random_angles_over_a_third_of_the_view_costs_a_tenth_of_a_de
     _, segmented = _segmented(box, SegmentsConfig(pixel_stride=1))
     rms = np.degrees(np.sqrt((yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor) ** 2).mean()))
     assert 1e-6 < rms < 0.1
+
+
+@pytest.mark.parametrize("slip_deg", [-20.0, 20.0])
+def test_no_quarter_turn_is_lost_where_the_heading_slips_by_20_degrees_while_no_wall_is_in_sight(slip_deg: float) -> None:
+    box = replace(camera_scan(48, turn_deg=4.0), no_wall=(18, 30))
+    slip = np.interp(np.arange(48), (18, 29), (0.0, slip_deg))
+    _, segmented = _segmented(with_heading(box, slip), SegmentsConfig(pixel_stride=1))
+    error = np.degrees(yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor))
+    seen = np.r_[0:18, 30:48]
+    assert not segmented.frames.measured[19:29].any()
+    assert np.sqrt((error[seen] ** 2).mean()) < 0.2
+    assert np.abs(error).max() < abs(slip_deg)
+
+
+def test_the_heading_is_held_through_a_stretch_without_walls_and_the_sigma_grows() -> None:
+    box = replace(camera_scan(48, turn_deg=4.0), no_wall=(18, 30))
+    _, segmented = _segmented(box, SegmentsConfig(pixel_stride=1))
+    error = np.degrees(yaw_error_rad(segmented.frames.world_from_sensor, box.world_from_sensor))
+    assert np.abs(error).max() < 0.7  # the odometry's own 0.1 degrees a frame
+    assert np.median(segmented.frames.yaw_sigma_rad[22:26]) > 2 * np.median(segmented.frames.yaw_sigma_rad[:18])
+
+
+def test_gravity_that_is_off_by_half_a_degree_is_mended_by_the_segments() -> None:
+    box = camera_scan()
+    tilted = small_rotation(np.tile(np.radians((0.4, -0.3, 0.0)), (24, 1))) @ box.world_from_sensor
+    box = replace(box, recording=replace(box.recording, down_sensor=-tilted[:, 2, :]))
+    prior, segmented = _segmented(box, SegmentsConfig(pixel_stride=1))
+
+    def tilt_deg(rotation: np.ndarray) -> float:
+        return float(np.degrees(np.sqrt(((rotation @ np.swapaxes(box.world_from_sensor, 1, 2))[:, 2, :2] ** 2).sum(axis=1).mean())))
+
+    assert tilt_deg(prior.level_from_sensor) == pytest.approx(0.5, abs=0.02)
+    assert tilt_deg(segmented.frames.world_from_sensor) < 0.05
 
 
 def test_the_yaw_sigma_tells_the_size_of_the_yaw_error() -> None:

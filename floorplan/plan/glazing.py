@@ -64,11 +64,12 @@ def as_glazing(lines: tuple[GlazedLine, ...]) -> tuple[Glazing, ...]:
 
 
 def _on_faces(point_m: Array, faces: tuple[FaceRun, ...]) -> Array:
+    """Points (P,) that belong to a drawn face; one no wider than a mullion may be one of them."""
     near = np.zeros(len(point_m), dtype=bool)
     for axis in (0, 1):
         order = np.argsort(point_m[:, axis])  # so that each face looks at the few points beside it
         across = point_m[order, axis]
-        for face in (face for face in faces if face.axis == axis):
+        for face in (face for face in faces if face.axis == axis and face.end_m - face.start_m > MAX_MULLION_M):
             first, last = np.searchsorted(across, (face.offset_m - NEAR_FACE_M, face.offset_m + NEAR_FACE_M))
             beside = order[first:last]
             along = point_m[beside, 1 - axis]
