@@ -155,9 +155,9 @@ class DrawingConfig:
     units: Literal["m", "mm", "ft"] = "m"
     scale: str = ""  # "1:50"; empty: chosen to fit the sheet
     sheet: str = "A3"  # A4 .. A0, ANSI A .. ANSI E
-    dxf_version: str = "R2010"  # R2000 .. R2018
-    layers: str = "ncs"  # layer names: US NCS, or "iso13567"
-    profile: str = ""  # "cafm": R2000, metres, no hatches, one kind of entity per layer, for strict importers
+    dxf_version: Literal["R2000", "R2004", "R2007", "R2010", "R2013", "R2018"] = "R2010"
+    layers: Literal["ncs", "iso13567"] = "ncs"  # layer names: US NCS, or ISO 13567
+    profile: Literal["", "cafm"] = ""  # "cafm": R2000, metres, no hatches, one kind of entity per layer, for strict importers
     template: str = ""  # a DXF with the office's own title block; empty: the built-in one
 
 

@@ -67,6 +67,9 @@ def test_wrong_usage_is_2() -> None:
     [
         (["build", "{dir}", "--set", "merge.radus_m=1"], ConfigError, "radius_m"),
         (["build", "{dir}", "--units", "furlongs"], ConfigError, "m, mm, ft"),
+        (["build", "{dir}", "--profile", "loose"], ConfigError, "cafm"),
+        (["build", "{dir}", "--layers", "own"], ConfigError, "iso13567"),
+        (["build", "{dir}", "--dxf-version", "R12"], ConfigError, "R2018"),
         (["build", "{dir}", "--from", "paint"], UsageError, "segments"),
         (["build", "{dir}", "--dxf", "{dir}/no/plan.dxf"], UsageError, "no folder"),
         (["build", "{dir}", "--format", "guess"], UsageError, "guess"),

@@ -50,6 +50,9 @@ def build(
     scale: o.Scale = None,
     sheet: o.Sheet = None,
     template: o.Template = None,
+    profile: o.Profile = None,
+    layers: o.Layers = None,
+    dxf_version: o.DxfVersion = None,
     jobs: o.Jobs = 0,
     quiet: o.Quiet = False,
     verbose: o.Verbose = False,
@@ -60,7 +63,9 @@ def build(
     """
     reporter = ConsoleReporter(quiet, verbose)
     short = [*o.topic_settings(topics), *o.trim_settings(trim)]
-    effective = o.effective_config(config, [*(settings or []), *short], units=units, scale=scale, sheet=sheet, template=template)
+    drawn = {"units": units, "scale": scale, "sheet": sheet, "template": template}
+    drawn |= {"profile": profile, "layers": layers, "dxf_version": dxf_version}
+    effective = o.effective_config(config, [*(settings or []), *short], **drawn)
     redo_from, until = _stages(from_stage, until_stage)
     for scan in scans:
         o.check_scan(scan)

@@ -52,6 +52,9 @@ Units = Annotated[str | None, typer.Option("--units", metavar="m|mm|ft", help="U
 Scale = Annotated[str | None, typer.Option("--scale", metavar="1:50", help="Scale of the sheet (default: chosen to fit).")]
 Template = Annotated[str | None, typer.Option("--template", metavar="F.dxf", help="A title block of your own; see 'floorplan template'.")]
 Sheet = Annotated[str | None, typer.Option("--sheet", metavar="A3", help="Size of the sheet.")]
+Profile = Annotated[str | None, typer.Option("--profile", metavar="cafm", help="What a strict importer demands.")]
+Layers = Annotated[str | None, typer.Option("--layers", metavar="ncs|iso13567", help="Names of the layers.")]
+DxfVersion = Annotated[str | None, typer.Option("--dxf-version", metavar="R2010", help="Of the DXF file: R2000 to R2018.")]
 
 TOPIC_SETTINGS = {  # what `--topic` calls the topics: sweeps and clouds are read in the place of depth
     "depth": "read.range_topic",

@@ -99,6 +99,9 @@ def export(
     scale: o.Scale = None,
     sheet: o.Sheet = None,
     template: o.Template = None,
+    profile: o.Profile = None,
+    layers: o.Layers = None,
+    dxf_version: o.DxfVersion = None,
     control: o.Control = None,
     north: o.North = None,
     quiet: o.Quiet = False,
@@ -119,7 +122,9 @@ def export(
     from floorplan.corrections import with_site
     from floorplan.export import export_graph
 
-    effective = o.effective_config(config or work / "config.toml", settings, units=units, scale=scale, sheet=sheet, template=template)
+    drawn = {"units": units, "scale": scale, "sheet": sheet, "template": template}
+    drawn |= {"profile": profile, "layers": layers, "dxf_version": dxf_version}
+    effective = o.effective_config(config or work / "config.toml", settings, **drawn)
     effective = with_site(effective, control, north)
     if drawings:
         _export_drawings(work, effective, drawings, quiet)

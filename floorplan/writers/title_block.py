@@ -3,16 +3,16 @@
 from dataclasses import dataclass
 
 from floorplan.config import ProjectConfig
-from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan
 from floorplan.writers.composition import Composition
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.sheet_size import Box
-from floorplan.writers.unit_style import MILLIMETRE_M
+from floorplan.writers.unit_style import UnitStyle, plus_minus_text, unit_style
 
 ROW_MM = 8.5
 CAPTION_MM = 1.2  # capital height of the small captions
 PAD_MM = 1.2
+MILLIMETRES = unit_style("mm")  # what an accuracy is said in
 TITLE_BLOCK = "TITLE_BLOCK"  # name of the block, ours and a template's
 
 
@@ -74,7 +74,7 @@ def values(composition: Composition, project: ProjectConfig, facts: SheetFacts) 
         "SURVEYOR": project.surveyor,
         "DATE": facts.date,
         "SCAN": facts.scan,
-        "ACCURACY": accuracy_text(composition.plan),
+        "ACCURACY": accuracy_text(composition.plan, composition.units),
         "SCALE": composition.scale.label,
         "SHEET": composition.sheet.name,
         "UNITS": {"m": "metres", "mm": "millimetres", "ft": "feet and inches"}[composition.units.name],
@@ -89,9 +89,11 @@ def floor_text(project: ProjectConfig, plan: Plan) -> str:
     return " - ".join(word for word in (project.floor, f"{plan.level} ({plan.elevation_m:+.2f} m)") if word)
 
 
-def accuracy_text(plan: Plan) -> str:
-    """Median and worst 95 % half width of the dimensions, in millimetres."""
-    halves = sorted(max(NORMAL_95 * dimension.sigma_m / MILLIMETRE_M, 1.0) for dimension in plan.dimensions)
-    if not halves:
+def accuracy_text(plan: Plan, units: UnitStyle = MILLIMETRES) -> str:
+    """Median and worst 95 % half width of the dimensions: in millimetres, or in the sheet's inches."""
+    sigmas = sorted(dimension.sigma_m for dimension in plan.dimensions)
+    if not sigmas:
         return "no dimensions"
-    return f"±{halves[len(halves) // 2]:.0f} mm median, ±{halves[-1]:.0f} mm worst of {len(halves)}"
+    median, worst = (plus_minus_text(sigma, MILLIMETRES if units.metric else units) for sigma in (sigmas[len(sigmas) // 2], sigmas[-1]))
+    unit = " mm" if units.metric else ""
+    return f"{median}{unit} median, {worst}{unit} worst of {len(sigmas)}"
