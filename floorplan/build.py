@@ -8,10 +8,10 @@ from typing import TypeVar
 
 from floorplan.chunked_segments import segment_in_chunks
 from floorplan.config import Config
-from floorplan.config_file import config_to_toml
 from floorplan.corrections import Corrections, Surveyed
 from floorplan.drawings import Drawing, check_sheet
 from floorplan.initial_layout import InitialLayout, initial_layout
+from floorplan.kept_config import kept_config
 from floorplan.kept_drawings import draw_what_changed
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
@@ -26,7 +26,6 @@ from floorplan.site import on_site
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
 from floorplan.stage_functions import ingest
 from floorplan.trim import trimmed
-from floorplan.work.disk import new_file
 from floorplan.work.fingerprint import scan_fingerprint
 from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
 from floorplan.work.lock import locked
@@ -95,8 +94,7 @@ def opened_work(job: Job, owner: Owner, reporter: Reporter) -> Iterator[WorkFold
     with locked(job.work) as left_behind:
         if left_behind is not None:
             reporter.message(f"a build that ended early ({left_behind}) left this folder; going on from there")
-        with new_file(job.work / "config.toml") as making:
-            making.write_text(config_to_toml(job.config), "utf-8")
-        work = WorkFolder(job.work, owner, job.config, job.redo_from, job.until, reporter)
-        work.forget_redone()
-        yield work
+        with kept_config(job.work, job.config):
+            work = WorkFolder(job.work, owner, job.config, job.redo_from, job.until, reporter)
+            work.forget_redone()
+            yield work

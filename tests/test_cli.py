@@ -13,6 +13,7 @@ from floorplan import __version__
 from floorplan.build import Job
 from floorplan.cli import app
 from floorplan.errors import ConfigError, FloorplanError, InputError, UsageError, WorkFolderError
+from floorplan.work.folder import Owner, claim
 
 RUNNER = CliRunner()
 HEAVY = ("numpy", "numba", "scipy", "cvxpy", "open3d", "shapely", "ezdxf", "matplotlib", "rich.progress")
@@ -122,3 +123,37 @@ def test_an_interrupted_build_says_what_is_kept_and_how_to_go_on(tmp_path: Path,
     result = RUNNER.invoke(app, ["build", str(tmp_path / "scan")])
     assert result.exit_code == 130
     assert "keeps 1-ingest, part of 2-segments. Give the same command again" in result.stderr
+
+
+def test_ctrl_c_that_met_compiled_code_is_130_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def compiled(job: Job, reporter: object) -> None:
+        raise SystemError("CPUDispatcher returned a result with an exception set") from KeyboardInterrupt()
+
+    def broken(job: Job, reporter: object) -> None:
+        raise SystemError("truly broken") from ValueError()
+
+    (tmp_path / "scan").mkdir()
+    monkeypatch.setattr("floorplan.build.build", compiled)
+    assert RUNNER.invoke(app, ["build", str(tmp_path / "scan")]).exit_code == 130
+    monkeypatch.setattr("floorplan.build.build", broken)
+    assert isinstance(RUNNER.invoke(app, ["build", str(tmp_path / "scan")]).exception, SystemError)
+
+
+def test_a_reader_that_has_gone_ends_the_program_quietly() -> None:
+    code = "from floorplan.cli.console import echo\nfrom floorplan.cli import app\nimport typer\n"
+    code += "from floorplan.cli import main\napp.command('much')(lambda: [echo('x' * 100) for _ in range(10000)])\nmain()"
+    program = subprocess.Popen([sys.executable, "-c", code, "much"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert program.stdout is not None
+    assert program.stderr is not None
+    program.stdout.readline()
+    program.stdout.close()
+    assert program.wait(60) == 141
+    assert program.stderr.read() == b""
+    program.stderr.close()
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "/proc/floorplan"])
+def test_a_work_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="give another place"):
+        claim(tmp_path / place, Owner("scan", "tum", "0"))

@@ -3,6 +3,7 @@
 import sys
 
 from floorplan.cli.app import app
+from floorplan.cli.interrupts import INTERRUPTED, was_interrupted
 from floorplan.errors import FloorplanError
 
 
@@ -13,6 +14,10 @@ def main() -> None:
     except FloorplanError as error:
         print(f"floorplan: {error}", file=sys.stderr)  # noqa: T201
         sys.exit(error.exit_code)
+    except SystemError as error:
+        if not was_interrupted(error):
+            raise
+        sys.exit(INTERRUPTED)
 
 
 __all__ = ["app", "main"]

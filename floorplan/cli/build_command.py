@@ -10,6 +10,7 @@ import typer
 from floorplan.cli import options as o
 from floorplan.cli.calibration_table import print_calibration
 from floorplan.cli.console import ConsoleReporter, echo, echo_table
+from floorplan.cli.interrupts import INTERRUPTED, was_interrupted
 from floorplan.cli.site_table import print_site
 from floorplan.model.normal import NORMAL_95
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from floorplan.results import Results
     from floorplan.work.stages import Stage
 
-INTERRUPTED = 130  # as a shell tells SIGINT
 NAMED_DIMENSIONS = 12  # as many are listed; the rest are in the drawing
 
 
@@ -101,7 +101,9 @@ def _run(job: "Job", scans: list[Path], reporter: ConsoleReporter) -> "Results |
         from floorplan.build_several import build_several, title_of
 
         return build_several(replace(job, scan=Path(title_of(scans))), scans, reporter)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, SystemError) as error:
+        if not was_interrupted(error):
+            raise
         typer.echo(_kept_words(job.work), err=True)
         raise typer.Exit(INTERRUPTED) from None
 

@@ -1,6 +1,7 @@
 """What the user sees: data on stdout, messages and progress on stderr, colours only where they are welcome."""
 
 import json
+import os
 import sys
 import time
 from collections.abc import Iterable
@@ -10,17 +11,23 @@ import typer
 
 from floorplan.reporting import Progress, no_progress
 
+READER_GONE = 141  # as a shell tells SIGPIPE
 LINE_EVERY_S = 10.0  # without a terminal, a long task says this often how far it is
 
 
-def echo(text: str = "") -> None:
-    """One line of data on stdout."""
-    typer.echo(text)
+def echo(text: str = "", stream: TextIO | None = None) -> None:
+    """One line of data on stdout (or `stream`); ends the program quietly where its reader has gone, as `head` does."""
+    try:
+        typer.echo(text, file=stream)
+    except BrokenPipeError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, (stream or sys.stdout).fileno())  # what is left in the buffer goes there at the end
+        raise typer.Exit(READER_GONE) from None
 
 
 def echo_json(tree: Any) -> None:
     """A JSON tree on stdout."""
-    typer.echo(json.dumps(tree, indent=2, ensure_ascii=False))
+    echo(json.dumps(tree, indent=2, ensure_ascii=False))
 
 
 def echo_table(rows: Iterable[tuple[str, ...]]) -> None:
@@ -28,7 +35,7 @@ def echo_table(rows: Iterable[tuple[str, ...]]) -> None:
     lines = [tuple(row) for row in rows]
     widths = [max(len(line[i]) for line in lines if len(line) > i) for i in range(max(map(len, lines), default=0))]
     for line in lines:
-        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=False)).rstrip())
+        echo("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=False)).rstrip())
 
 
 class ConsoleReporter:
@@ -41,12 +48,12 @@ class ConsoleReporter:
     def message(self, text: str) -> None:
         """One line, unless quiet."""
         if not self.quiet:
-            typer.echo(text, file=self.stream)
+            echo(text, self.stream)
 
     def detail(self, text: str) -> None:
         """One line, when verbose."""
         if self.verbose and not self.quiet:
-            typer.echo(f"  {text}", file=self.stream)
+            echo(f"  {text}", self.stream)
 
     def progress(self, title: str) -> Progress:
         """A bar on a terminal, a line now and then elsewhere, nothing when quiet."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from floorplan.errors import WorkFolderError
+from floorplan.errors import UsageError, WorkFolderError
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
@@ -27,6 +27,17 @@ def clear_disk_errors(path: Path) -> Iterator[None]:
         if error.errno in _FORBIDDEN:
             raise WorkFolderError(f"{path} cannot be written ({error.strerror}); choose another place") from error
         raise
+
+
+def need_folder(folder: Path) -> None:
+    """Make `folder` where there is none. Raises `UsageError` for a path that is a file, or where no folder can be made."""
+    try:
+        with clear_disk_errors(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise UsageError(f"{folder} is a file, or lies under one; a folder is needed there: give another place") from error
+    except OSError as error:
+        raise UsageError(f"{folder}: no folder can be made there ({error.strerror}); give another place") from error
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from floorplan.errors import WorkFolderError
 from floorplan.reporting import Reporter, SilentReporter
 from floorplan.work.chunks import ChunkStore
-from floorplan.work.disk import clear_disk_errors, new_file, new_folder
+from floorplan.work.disk import clear_disk_errors, need_folder, new_file, new_folder
 from floorplan.work.recipe import Recipe, differences, recipe_of
 from floorplan.work.stages import STAGES, Stage
 from floorplan.work.values import load_value, save_value, write_json
@@ -138,8 +138,8 @@ def part_folders(work: Path) -> tuple[Path, ...]:
 
 def claim(work: Path, owner: Owner) -> None:
     """Make `work` the folder of `owner`'s scan. Raises `WorkFolderError` when it belongs to another scan or holds other things."""
+    need_folder(work)
     with clear_disk_errors(work):
-        work.mkdir(parents=True, exist_ok=True)
         if (work / OWNER_NAME).exists():
             known = read_owner(work)
             if known.fingerprint != owner.fingerprint and (known.scan, known.scans) != (owner.scan, owner.scans):

@@ -21,28 +21,37 @@ WIDTH_TAG = "WIDTH"
 WIDTH_TEXT = 0.15  # height of the (invisible) width attribute, in widths of the opening
 
 
-def add_opening_blocks(document: "Drawing") -> None:
-    """Symbols in an opening one unit wide, along x, centred; on layer 0, so that they take the layer of their INSERT."""
-    door = document.blocks.new(OPENING_BLOCKS[OpeningKind.DOOR])
+def free_name(document: "Drawing", name: str) -> str:
+    """`name`, or where a template owns a block of that name, the next one that is free: the office's symbol is never redefined."""
+    tried = (name, *(f"{name}_{number}" for number in range(2, len(document.blocks) + 3)))
+    return next(one for one in tried if one not in document.blocks)
+
+
+def add_opening_blocks(document: "Drawing") -> dict[OpeningKind, str]:
+    """Symbols in an opening one unit wide, along x, centred; on layer 0, so that they take the layer of their INSERT. Gives their names."""
+    names = {kind: free_name(document, name) for kind, name in OPENING_BLOCKS.items()}
+    door = document.blocks.new(names[OpeningKind.DOOR])
     door.add_line(*UNIT_LEAF)
     door.add_arc((-0.5, 0.0), radius=1.0, start_angle=0.0, end_angle=90.0)
-    passage = document.blocks.new(OPENING_BLOCKS[OpeningKind.PASSAGE])
+    passage = document.blocks.new(names[OpeningKind.PASSAGE])
     passage.add_line(*UNIT_LINE, dxfattribs={"linetype": DASHED})
     for block in (door, passage):
         definition = block.add_attdef(WIDTH_TAG, (0.0, -2 * WIDTH_TEXT), dxfattribs={"height": WIDTH_TEXT, "style": TEXT_STYLE})
         definition.dxf.prompt = "Clear width, m"
         definition.is_invisible = True
+    return names
 
 
-def add_stamp_block(document: "Drawing") -> None:
-    """The room stamp in paper millimetres: number, name, area, ceiling height, centred on its insertion point."""
+def add_stamp_block(document: "Drawing") -> str:
+    """The room stamp in paper millimetres: number, name, area, ceiling height, centred on its insertion point. Gives its name."""
     from ezdxf.enums import TextEntityAlignment
 
-    block = document.blocks.new(STAMP_BLOCK)
+    block = document.blocks.new(free_name(document, STAMP_BLOCK))
     for tag, height in STAMP_HEIGHTS_MM.items():
         definition = block.add_attdef(tag, dxfattribs={"height": height, "style": TEXT_STYLE})
         definition.set_placement((0.0, STAMP_BASELINES_MM[tag]), align=TextEntityAlignment.CENTER)
         definition.dxf.prompt = tag.capitalize()
+    return str(block.name)
 
 
 def draw_items(target: "BaseLayout", items: Iterable[Item], layer: str) -> None:

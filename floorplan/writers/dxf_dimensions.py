@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from floorplan.model.plan import Point
 from floorplan.writers.composition import Composition
 from floorplan.writers.dimension_spots import TEXT_GAP_MM, TEXT_HEIGHT_MM, TICK_MM
-from floorplan.writers.dxf_document import APPLICATION, DIMENSION_STYLE, TEXT_STYLE, model_per_mm
+from floorplan.writers.dxf_document import DIMENSION_STYLE, TEXT_STYLE, model_per_mm
+from floorplan.writers.dxf_template import APPLICATION
 from floorplan.writers.layers import Layer
 from floorplan.writers.placed_dimension import PlacedDimension
 from floorplan.writers.plan_scene import EXTENSION_GAP_MM, EXTENSION_OVER_MM, dimension_items

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from floorplan.errors import ConfigError
 from floorplan.writers.composition import CAFM_DXF_VERSION, DXF_VERSIONS, Composition
-from floorplan.writers.dxf_template import open_template
+from floorplan.writers.dxf_template import APPLICATION, open_template
 from floorplan.writers.layers import CONTINUOUS, DASHED, PATH_DASH_MM
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 TEXT_STYLE = "FLOORPLAN"
 DIMENSION_STYLE = "FLOORPLAN"
-APPLICATION = "FLOORPLAN"  # registered application of the extended data that carries our ids
 FONT = "arial.ttf"  # every CAD program has it or replaces it by one as wide
 INSUNITS_METRIC = 1  # $MEASUREMENT
 VIEW_MARGIN = 1.15  # a little air around the plan in the start view

@@ -10,9 +10,10 @@ from floorplan.model.plan import OpeningKind, Point
 from floorplan.writers.area_ring import slit_ring
 from floorplan.writers.composition import Composition
 from floorplan.writers.door_symbol import DoorSymbol, window_lines
-from floorplan.writers.dxf_blocks import OPENING_BLOCKS, STAMP_BLOCK, WIDTH_TAG, add_opening_blocks, add_stamp_block, draw_label
+from floorplan.writers.dxf_blocks import WIDTH_TAG, add_opening_blocks, add_stamp_block, draw_label
 from floorplan.writers.dxf_dimensions import add_dimension_style, add_dimensions
-from floorplan.writers.dxf_document import APPLICATION, SCREEN_ASPECT, VIEW_MARGIN, model_per_mm
+from floorplan.writers.dxf_document import SCREEN_ASPECT, VIEW_MARGIN, model_per_mm
+from floorplan.writers.dxf_template import APPLICATION
 from floorplan.writers.layers import Layer
 from floorplan.writers.plan_scene import line_notes
 from floorplan.writers.scene import Label
@@ -28,13 +29,15 @@ GREY = (212, 212, 212)  # wall fill
 
 
 class ModelSpace:
-    """Draws plan metres into the model space of a document in its units."""
+    """Draws plan metres into the model space of a document in its units; adds the blocks it needs."""
 
     def __init__(self, document: "Drawing", composition: Composition) -> None:
         self.document = document
         self.composition = composition
         self.space = document.modelspace()
         self.per_metre = composition.units.per_metre
+        self.opening_blocks = add_opening_blocks(document)
+        self.stamp_block = add_stamp_block(document)
 
     def attributes(self, layer: Layer) -> dict[str, str]:
         return {"layer": self.composition.layers[layer].name}
@@ -57,7 +60,7 @@ def _identify(entity: "DXFGraphic", identity: str) -> None:
 def draw_plan(document: "Drawing", composition: Composition) -> None:
     """Everything in model space, and the blocks it needs."""
     space = ModelSpace(document, composition)
-    _prepare_blocks(document, composition)
+    add_dimension_style(document, composition)
     if not composition.strict:
         _draw_fills(space)
     _draw_areas(space)
@@ -69,12 +72,6 @@ def draw_plan(document: "Drawing", composition: Composition) -> None:
     add_dimensions(document, composition)
     _draw_evidence(space)
     _set_view(space)
-
-
-def _prepare_blocks(document: "Drawing", composition: Composition) -> None:
-    add_opening_blocks(document)
-    add_stamp_block(document)
-    add_dimension_style(document, composition)
 
 
 def _draw_fills(space: ModelSpace) -> None:
@@ -131,7 +128,7 @@ def _draw_opening(space: ModelSpace, door: DoorSymbol) -> None:
             space.line(Layer.GLAZING, door.placed(line), opening.id)
         return
     insert = space.space.add_blockref(
-        OPENING_BLOCKS[opening.kind],
+        space.opening_blocks[opening.kind],
         space.points([opening.centre])[0],
         dxfattribs={**space.attributes(Layer.DOOR), "rotation": door.rotation_deg % 360.0},
     )
@@ -143,7 +140,7 @@ def _draw_opening(space: ModelSpace, door: DoorSymbol) -> None:
 
 
 def _draw_stamp(space: ModelSpace, stamp: PlacedStamp) -> None:
-    insert = space.space.add_blockref(STAMP_BLOCK, space.points([stamp.centre])[0], dxfattribs=space.attributes(Layer.AREA_IDENTITY))
+    insert = space.space.add_blockref(space.stamp_block, space.points([stamp.centre])[0], dxfattribs=space.attributes(Layer.AREA_IDENTITY))
     insert.set_scale(model_per_mm(space.composition) * stamp.size)
     insert.add_auto_attribs({line.tag: line.text for line in stamp.lines})
     shown = {line.tag for line in stamp.shown}

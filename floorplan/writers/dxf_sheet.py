@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from floorplan.config import ProjectConfig
 from floorplan.writers.composition import Composition
-from floorplan.writers.dxf_blocks import draw_items, draw_label
+from floorplan.writers.dxf_blocks import draw_items, draw_label, free_name
 from floorplan.writers.dxf_document import TEXT_STYLE, model_per_mm
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.layers import Layer
@@ -20,6 +20,7 @@ SCHEDULE_BLOCK = "ROOM_SCHEDULE"
 SYMBOL_BLOCK = "SCALE_AND_NORTH"
 LAYOUT_NAME = "Sheet"
 EMPTY_LAYOUT = "Layout1"  # the one a new document has
+ONE_SHEET = 2  # layouts of a document with one: the model's, and the sheet's
 VIEWPORT_LAYER = "Defpoints"  # never plotted: no frame around the viewport
 VIEWPORT_INSET_MM = 1.0
 
@@ -41,6 +42,8 @@ def draw_sheet(document: "Drawing", composition: Composition, project: ProjectCo
 def _layout(document: "Drawing") -> "Paperspace":
     """The layout of the sheet: ours is the empty document's first; a template keeps its own and gets one more."""
     if LAYOUT_NAME in document.layouts.names():
+        if len(document.layouts) == ONE_SHEET:
+            document.layouts.new(EMPTY_LAYOUT)  # a document keeps one sheet at least
         document.layouts.delete(LAYOUT_NAME)
     if document.layouts.names() == ["Model", EMPTY_LAYOUT]:
         document.layouts.rename(EMPTY_LAYOUT, LAYOUT_NAME)
@@ -90,5 +93,6 @@ def _add_title_block(document: "Drawing", paper: "Paperspace", composition: Comp
 def _add_block(document: "Drawing", paper: "Paperspace", name: str, items: list, layer: str) -> None:  # type: ignore[type-arg]
     if not items:
         return
+    name = free_name(document, name)
     draw_items(document.blocks.new(name), items, "0")
     paper.add_blockref(name, (0, 0), dxfattribs={"layer": layer})

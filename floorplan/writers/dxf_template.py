@@ -11,6 +11,7 @@ from floorplan.writers.title_block import TITLE_BLOCK
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
+APPLICATION = "FLOORPLAN"  # registered application of the extended data that carries our ids
 REQUIRED_TAGS = ("PROJECT", "DATE", "SCALE", "ACCURACY")  # a sheet without these is not one of this program's plans
 
 
@@ -32,9 +33,19 @@ def open_template(path: str, layers: dict[Layer, LayerStyle]) -> "Drawing":
     except (DXFError, OSError) as error:
         raise ConfigError(f"drawing.template = {path!r}: this is no DXF file that can be read ({error})") from error
     lacking = template_faults(document, layers)
+    if holds_plan(document):
+        raise ConfigError(
+            f"drawing.template = {path!r} is a drawing with a plan of this program in it, which would lie under the new one; "
+            "delete all in its model space, or start from what 'floorplan template OUT.dxf' writes"
+        )
     if lacking:
         raise ConfigError(f"drawing.template = {path!r} lacks {'; '.join(lacking)}; start from what 'floorplan template OUT.dxf' writes")
     return document
+
+
+def holds_plan(document: "Drawing") -> bool:
+    """Whether the model space holds what this program drew: its entities carry our ids."""
+    return any(entity.has_xdata(APPLICATION) for entity in document.modelspace())
 
 
 def template_faults(document: "Drawing", layers: dict[Layer, LayerStyle]) -> tuple[str, ...]:

@@ -77,3 +77,25 @@ def test_a_template_that_lacks_something_is_refused_before_the_build(tmp_path: P
     assert isinstance(result.exception, ConfigError)
     assert "floorplan template" in str(result.exception)
     assert not (tmp_path / "scan.floorplan").exists()
+
+
+def test_a_template_that_owns_blocks_of_our_names_keeps_them(tmp_path: Path) -> None:
+    office = ezdxf.readfile(templates_dir() / "sheet-A3.dxf")
+    for name in ("DOOR", "ROOM_STAMP", "ROOM_SCHEDULE", "SCALE_AND_NORTH"):
+        office.blocks.new(name).add_circle((0, 0), 450)
+    office.saveas(tmp_path / "office.dxf")
+    document = written(tmp_path / "office.dxf", tmp_path / "plan.dxf")
+    assert [entity.dxftype() for entity in document.blocks.get("DOOR")] == ["CIRCLE"]
+    ours = {insert.dxf.name for insert in document.modelspace().query("INSERT")}
+    assert {"DOOR_2", "ROOM_STAMP_2"} <= ours
+    assert not ours & {"DOOR", "ROOM_STAMP"}
+    assert document.audit().errors == []
+
+
+def test_a_drawing_with_a_plan_is_no_template_until_it_is_emptied(tmp_path: Path) -> None:
+    own = written(templates_dir() / "sheet-A3.dxf", tmp_path / "own.dxf")
+    with pytest.raises(ConfigError, match="delete all in its model space"):
+        check_template(DrawingConfig(template=str(tmp_path / "own.dxf")))
+    own.modelspace().delete_all_entities()
+    own.saveas(tmp_path / "emptied.dxf")
+    assert written(tmp_path / "emptied.dxf", tmp_path / "plan.dxf").audit().errors == []
