@@ -3,6 +3,7 @@
 import numpy as np
 
 from floorplan.loop_closing import ClosedLoops
+from floorplan.loop_closing.turned_walls import turned_walls
 from floorplan.model.checks import Array
 from floorplan.model.scan import Problem, Recording, Wheels
 from floorplan.sweep_matching import MatchedSweeps, RefinedOdometry
@@ -14,7 +15,7 @@ _MANY_REJECTED = 0.2  # of the loops; a few wrong ones are ordinary
 
 def matching_problems(recording: Recording, sweeps: MatchedSweeps, closed: ClosedLoops | None) -> tuple[Problem, ...]:
     """Problems of the matched trajectory: coded, counted, with the first place."""
-    found = _still(recording, sweeps.refined) + _mended(sweeps.wheels) + _lost(sweeps.refined.matched)
+    found = _still(recording, sweeps.refined) + _mended(sweeps.wheels) + _lost(sweeps.refined.matched) + _turned(sweeps.refined)
     return found + (() if closed is None else _contradicting(closed))
 
 
@@ -47,6 +48,17 @@ def _lost(matched: Array) -> tuple[Problem, ...]:
     message = f"{count} sweeps in a row or more fit nothing seen before them; only the odometry places them"
     advice = "what comes after may be turned or shifted against what came before; look at the plan there"
     return (Problem("sweeps-lost", message, f"sweep {int(runs[0])}", count, advice),)
+
+
+def _turned(refined: RefinedOdometry) -> tuple[Problem, ...]:
+    """Sweeps that fitted nothing, with walls behind them that stand askew to those before: the heading was lost, or a wing begins."""
+    places = turned_walls(refined, _LOST_SHARE)
+    if not places:
+        return ()
+    first = places[0]
+    message = f"after a sweep that fits nothing the walls stand {np.degrees(first.off_rad):+.0f} degrees off those before"
+    advice = "unless a wing begins there, the odometry lost its heading, and what comes after may be turned, by a quarter turn too"
+    return (Problem("heading-lost", message, f"sweep {first.sweep}", len(places), advice),)
 
 
 def _contradicting(closed: ClosedLoops) -> tuple[Problem, ...]:

@@ -38,8 +38,9 @@ class Bearings:
 
 def follow_walls(yaw_rad: Array, path_m: Array, surfaces: Sequence[SweepSurfaces]) -> Bearings:
     """Bearings of the nodes with matched `yaw_rad (M,)`, followed along the path so that no quarter turn is lost."""
-    azimuth = [_azimuths(seen) for seen in surfaces]
-    square = _square(np.concatenate([a + y for a, y in zip(azimuth[:_BEGINNING], yaw_rad[:_BEGINNING], strict=True)]))
+    azimuth = [azimuths(seen) for seen in surfaces]
+    beginning = zip(azimuth[:_BEGINNING], yaw_rad[:_BEGINNING], strict=True)
+    square = square_to_walls(np.concatenate([a + y for a, y in beginning])).direction_rad
     node, told, drift, last_m = [], [], 0.0, 0.0
     for k, found in enumerate(azimuth):
         off, share = _offset(wrap_to(found + yaw_rad[k] - drift - square, _QUARTER_RAD))
@@ -51,19 +52,30 @@ def follow_walls(yaw_rad: Array, path_m: Array, surfaces: Sequence[SweepSurfaces
     return Bearings(np.array(node, dtype=np.int64), np.array(told))
 
 
-def _azimuths(seen: SweepSurfaces) -> Array:
+def azimuths(seen: SweepSurfaces) -> Array:
     """Directions (n,) of the normals of a sweep's flat surfaces, in the sensor's axes."""
     normal = seen.row[:, 2:]
     flat = np.hypot(normal[:, 0], normal[:, 1]) > 0
     return np.asarray(np.arctan2(normal[flat, 1], normal[flat, 0]))
 
 
-def _square(azimuth_rad: Array) -> float:
-    """The direction modulo 90 degrees that most surfaces face."""
+@dataclass(frozen=True)
+class SquareWalls:
+    """The direction modulo 90 degrees that most surfaces face, and the share of them that do."""
+
+    direction_rad: float
+    share: float
+
+
+def square_to_walls(azimuth_rad: Array) -> SquareWalls:
+    """What is square among surfaces that face `azimuth_rad (n,)`."""
+    if not len(azimuth_rad):
+        return SquareWalls(0.0, 0.0)
     count = np.bincount((np.mod(azimuth_rad, _QUARTER_RAD) / _QUARTER_RAD * _BINS).astype(np.int64) % _BINS, minlength=_BINS)
     smooth = count + np.roll(count, 1) + np.roll(count, -1)
     middle = (int(smooth.argmax()) + 0.5) * _QUARTER_RAD / _BINS
-    return middle + _offset(wrap_to(azimuth_rad - middle, _QUARTER_RAD))[0]
+    off, share = _offset(wrap_to(azimuth_rad - middle, _QUARTER_RAD))
+    return SquareWalls(middle + off, share)
 
 
 def _offset(off_rad: Array) -> tuple[float, float]:

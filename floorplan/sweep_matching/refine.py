@@ -13,6 +13,7 @@ from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
 from floorplan.model.scan import Recording
 from floorplan.readers.base import BadFrame, Source
+from floorplan.recording_checks import frame_gaps, motion_of
 from floorplan.reporting import Progress, no_progress
 from floorplan.sweep_matching.kernels import match
 from floorplan.sweep_matching.local_map import LocalMap
@@ -62,6 +63,7 @@ def refine_odometry(source: Source, recording: Recording, progress: Progress = n
     recorded = level_poses(recording)
     pose, matched, covariance = recorded.copy(), np.zeros(len(recorded)), np.zeros((len(recorded), 3, 3))
     information = np.zeros((len(recorded), 3, 3))
+    gap = np.concatenate(([False], frame_gaps(motion_of(recording))))
     around, placed, path_m, trust, nodes = LocalMap(), None, 0.0, _Trust(), _Nodes()
     for k, frame in enumerate(source.frames(range(len(recorded)))):
         step = relative_pose(recorded[k - 1], recorded[k]) if k else np.zeros(3)
@@ -70,7 +72,7 @@ def refine_odometry(source: Source, recording: Recording, progress: Progress = n
         if not isinstance(frame, BadFrame):
             seen = sweep_surfaces(frame, recording.sensor)
             if len(seen.row) >= _LEAST_POINTS:
-                best = trust.placed(seen, pose[max(k - 1, 0)], best.pose, step, around)
+                best = trust.placed(seen, pose[max(k - 1, 0)], best.pose, step, around, bool(gap[k]))
                 if placed is None or best.share < _NEW_PLACE_SHARE or _went_on(best.pose - placed):
                     around.add(seen, best.pose, path_m)
                     placed = best.pose
@@ -115,9 +117,11 @@ class _Trust:
     odometry_m: float = 0.0
     going_on_m: float = 0.0
 
-    def placed(self, seen: SweepSurfaces, before: Array, predicted: Array, step: Array, around: LocalMap) -> _Placed:
+    def placed(
+        self, seen: SweepSurfaces, before: Array, predicted: Array, step: Array, around: LocalMap, after_gap: bool
+    ) -> _Placed:
         """Where the sweep fits, from the recorded step, and from the last matched one where that has been nearer the truth of late."""
-        best = _placed(seen, predicted, step, around)
+        best = _placed(seen, predicted, step, around, after_gap)
         if self.going_on_m < _CLEARLY * self.odometry_m:
             other = _placed(seen, moved(before, self.last), self.last, around)
             best = other if other.share >= best.share else best
@@ -139,17 +143,18 @@ def _step_information(step: Array) -> Array:
     return np.diag((sigma_m**-2, sigma_m**-2, sigma_rad**-2))
 
 
-def _placed(seen: SweepSurfaces, predicted: Array, step: Array, around: LocalMap) -> _Placed:
+def _placed(seen: SweepSurfaces, predicted: Array, step: Array, around: LocalMap, after_gap: bool = False) -> _Placed:
     """The sweep where it fits best, near the prediction or, when it does not fit there, all around; else at the prediction."""
     if len(around.points) < _LEAST_POINTS:
         return _Placed(predicted)
     sigma_m, sigma_rad = _REST_M + _SLIP * math.hypot(step[0], step[1]), _REST_RAD + _SLIP * abs(step[2])
     best = _matched(seen, predicted, sigma_m, sigma_rad, around)
     if best.share < _DOUBTFUL_SHARE:
-        elsewhere = searched(seen, predicted, step, around.points)
+        elsewhere = searched(seen, predicted, step, around.points, after_gap)
         if elsewhere is not None:
             other = _matched(seen, elsewhere, _FOUND_M, _FOUND_RAD, around)
-            best = other if other.share > max(_LEAST_FOUND_SHARE, best.share + _CLEARLY_MORE) else best
+            least = _DOUBTFUL_SHARE if after_gap else _LEAST_FOUND_SHARE  # among all directions something always fits by half
+            best = other if other.share > max(least, best.share + _CLEARLY_MORE) else best
     return best if best.share >= _LEAST_SHARE else _Placed(predicted, best.share)
 
 
