@@ -30,14 +30,34 @@ def depth_m(message: Any, type: str) -> Array:
 def _image(message: Any) -> Array:
     """Rows without their padding, in the byte order of the message."""
     kind = np.dtype(np.float32 if message.encoding == "32FC1" else np.uint16).newbyteorder(">" if message.is_bigendian else "<")
-    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
+    rows = _rows(message.data, message.height, message.step, message.width * kind.itemsize)
     return np.ascontiguousarray(rows[:, : message.width * kind.itemsize]).view(kind)
+
+
+def _rows(data: Array, height: int, step: int, used: int) -> Array:
+    """Bytes (height, step) of a message, `used` of each row. Raises `InputError` when they are fewer or more than it says."""
+    found = np.frombuffer(data, dtype=np.uint8)
+    if found.size != height * step or step < used:
+        raise InputError(f"a message holds {found.size} bytes, not {height} rows of {step}")
+    return found.reshape(height, step)
+
+
+def why_unreadable(message: Any, type: str) -> str:
+    """What is wrong with a range message; empty where nothing is."""
+    try:
+        if type == LASER_SCAN:
+            return "" if len(message.ranges) and message.angle_increment else "a sweep has no ranges, or no angle between its beams"
+        _ = cloud_of(message) if type not in (IMAGE, COMPRESSED_IMAGE) else depth_m(message, type)
+    except (InputError, ValueError) as error:
+        return str(error)
+    return ""
 
 
 def _compressed(message: Any) -> Array:
     import cv2
 
-    image = cv2.imdecode(np.frombuffer(message.data, dtype=np.uint8)[COMPRESSED_HEADER_BYTES:], cv2.IMREAD_UNCHANGED)
+    png = np.frombuffer(message.data, dtype=np.uint8)[COMPRESSED_HEADER_BYTES:]
+    image = cv2.imdecode(png, cv2.IMREAD_UNCHANGED) if png.size else None
     if image is None or image.dtype != np.uint16:
         raise InputError("a compressed depth image is no 16-bit PNG; republish it with 16UC1 depth")
     return np.asarray(image)
@@ -63,7 +83,7 @@ def cloud_of(message: Any) -> Cloud:
     order = ">" if message.is_bigendian else "<"
     formats, offsets = [order + str(kinds[n]) for n in names], [fields[n].offset for n in names]
     layout = np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": message.point_step})
-    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.row_step)
+    rows = _rows(message.data, message.height, message.row_step, message.width * message.point_step)
     grid = np.ascontiguousarray(rows[:, : message.width * message.point_step]).view(layout)
     points = np.stack([grid[n].astype(np.float32) for n in "xyz"], axis=-1)
     points[~np.isfinite(points).all(axis=-1) | (points == 0).all(axis=-1)] = np.nan

@@ -10,7 +10,7 @@ from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Problem
 from floorplan.readers.ros_bag import bag_problems, messages
-from floorplan.readers.ros_decode import stamp_ns_of
+from floorplan.readers.ros_decode import stamp_ns_of, why_unreadable
 from floorplan.readers.ros_topics import CAMERA_INFO, IMU, OLD_TF, TF, ChosenTopics
 from floorplan.readers.ros_transforms import Poses, TimedPose, TransformTree, poses_at, table_of
 
@@ -65,7 +65,8 @@ def index_bag(paths: tuple[Path, ...], chosen: ChosenTopics) -> BagIndex:
     except InputError as error:
         problems += (Problem("file-damaged", str(error), str(paths[0]), advice="what was read before is used"),)
     if gathered.first is None:
-        raise InputError(f"{paths[0]}: no frames: no message of {chosen.ranges.name} can be read")
+        why = f": {gathered.why}" if gathered.why else ""
+        raise InputError(f"{paths[0]}: no frames: no message of {chosen.ranges.name} can be read{why}")
     return gathered.index(problems)
 
 
@@ -77,6 +78,7 @@ class _Gathered:
         self.stamps: list[int] = []
         self.logs: list[int] = []
         self.first: Any = None
+        self.why = ""
         self.camera_info: Any = None
         self.poses: list[TimedPose] = []
         self.posed_frame = ""
@@ -94,7 +96,10 @@ class _Gathered:
         if topic == self.chosen.ranges.name:
             self.stamps.append(stamp_ns_of(value))
             self.logs.append(log_ns)
-            self.first = value if self.first is None else self.first
+            if self.first is None and not (why := why_unreadable(value, type)):
+                self.first = value
+            elif self.first is None:
+                self.why = why
         elif type == CAMERA_INFO:
             self.camera_info = value if self.camera_info is None else self.camera_info
         elif type == IMU:

@@ -9,6 +9,7 @@ from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, GravitySource, SensorKind
 from floorplan.readers import open_scan
+from floorplan.readers.base import BadFrame
 from tests.readers.bags import BASE_FROM_CAMERA, KINDS, Bag, base_walk
 from tests.readers.folders import Walk, write_tum
 
@@ -272,3 +273,29 @@ def test_a_folder_without_metadata_is_read_by_its_files(tmp_path: Path, kind: st
 def test_the_real_bag_without_depth_lists_its_topics(shared_data: Path) -> None:
     with pytest.raises(InputError, match=r"no topic holds depth images.*/crazyflie2/state_xyzv"):
         open_scan(shared_data / "bag/rice.bag")
+
+
+def test_a_first_message_that_is_damaged_costs_one_frame_and_all_of_them_say_why(tmp_path: Path) -> None:
+    bag, walk = Bag("mcap"), Walk(frames=12)
+    bag.add_depth(walk)
+    bag.add_odometry(walk)
+    images = [value for _, type, _, value in bag.written if type.endswith("msg/Image")]
+    whole = images[0].data
+    images[0].data = whole[:100]
+    source = open_scan(bag.write(tmp_path / "one"))
+    assert [isinstance(frame, BadFrame) for frame in source.frames(range(12))] == [True] + 11 * [False]
+    for image in images:
+        image.data = whole[:100]
+    with pytest.raises(InputError, match="holds 100 bytes, not"):
+        open_scan(bag.write(tmp_path / "all"))
+
+
+def test_sweeps_without_an_angle_between_their_beams_are_refused(tmp_path: Path) -> None:
+    bag, walk = Bag("mcap"), Walk(frames=12)
+    bag.add_sweeps(walk, np.linspace(1.0, 5.0, 90))
+    bag.add_odometry(walk, child="laser")
+    for _, type, _, value in bag.written:
+        if type.endswith("LaserScan"):
+            value.angle_increment = 0.0
+    with pytest.raises(InputError, match="no angle between its beams"):
+        open_scan(bag.write(tmp_path / "flat"))
