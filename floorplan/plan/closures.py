@@ -8,7 +8,7 @@ from floorplan.plan.arrangement import Barrier
 from floorplan.plan.corners import MIN_SIDE_M, FaceRun
 from floorplan.plan.free_space import CELL_M
 from floorplan.plan.gaps import OPEN_SHARE, Gap
-from floorplan.plan.surface_evidence import SAME_SURFACE_M
+from floorplan.plan.surface_evidence import MAX_LINE_GAP_M, SAME_SURFACE_M
 
 MIN_WALL_PER_GAP = 1.0  # drawn wall in line with a gap, in gap widths: a doorway is in a wall, the space between two piers is not
 NEARBY_WIDTHS = 2.0  # that wall is looked for this many widths to both sides
@@ -67,6 +67,26 @@ def narrow_barriers(faces: tuple[FaceRun, ...], config: PlanConfig) -> tuple[Bar
             if aside[1] - aside[0] > MIN_SIDE_M:
                 closed.append(Barrier(1 - face.axis, ahead.at_m, aside[0], aside[1], solid=False, weak=True))
     return tuple(closed)
+
+
+def mouth_barriers(faces: tuple[FaceRun, ...], config: PlanConfig) -> tuple[Barrier, ...]:
+    """Gaps wider than a door between ends of walls in line, in more wall than gap: what begins behind may be another space."""
+    closed: list[Barrier] = []
+    for face in faces:
+        after = min((f for f in faces if _goes_on(face, f)), key=lambda f: f.start_m, default=None)
+        if face.inner[1] or after is None:
+            continue
+        low, high = face.end_m, after.start_m
+        wide = config.max_door_width_m < high - low <= MAX_LINE_GAP_M
+        if wide and _in_wall(face, faces, low, high) and not _is_backed(face, faces, low, high, config):
+            closed += [Barrier(face.axis, face.offset_m, low, high, solid=False, weak=True), *_step(face, after, high)]
+    return tuple(closed)
+
+
+def _goes_on(face: FaceRun, other: FaceRun) -> bool:
+    """Whether a surface goes on as `other` beyond the end of `face`."""
+    in_line = abs(other.offset_m - face.offset_m) <= SAME_SURFACE_M
+    return other.axis == face.axis and other.facing == face.facing and in_line and other.start_m > face.end_m
 
 
 def _ahead(face: FaceRun, faces: tuple[FaceRun, ...], end_m: float, direction: int, config: PlanConfig) -> Iterator[_Ahead]:

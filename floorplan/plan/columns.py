@@ -1,4 +1,4 @@
-"""Free-standing columns: short bodies that no other wall touches, with a face on three sides at least."""
+"""Free-standing columns: short bodies that no other wall touches or stands close behind, with a face on three sides at least."""
 
 from floorplan.model.plan import Column
 from floorplan.plan.bodies import Body
@@ -7,6 +7,7 @@ from floorplan.plan.corners import FaceRun
 MAX_SIDE_M = 1.2  # longer it is a piece of wall
 MAX_STRETCH = 2.5  # times as long as wide: more is a stub of wall
 SAME_EDGE_M = 1e-3
+MIN_CLEARANCE_M = 0.10  # nearer to a wall it is a pier of it
 
 
 def column_bodies(bodies: tuple[Body, ...], faces: tuple[FaceRun, ...]) -> tuple[Body, ...]:
@@ -46,7 +47,16 @@ def _is_column(body: Body, bodies: tuple[Body, ...], faces: tuple[FaceRun, ...])
     ends = _end_face(body, faces, -1) or _end_face(body, faces, +1)
     shape = body.rectangle
     alone = all(other.rectangle.equals(shape) or other.rectangle.distance(shape) > SAME_EDGE_M for other in bodies)
-    return whole and ends and alone
+    return whole and ends and alone and not any(_is_near(face, body) for face in faces)
+
+
+def _is_near(face: FaceRun, body: Body) -> bool:
+    """Whether a face that is no side of the body stands within the clearance of it."""
+    x0, y0, x1, y1 = body.rectangle.bounds
+    low, high = ((x0, x1), (y0, y1))[face.axis], ((x0, x1), (y0, y1))[1 - face.axis]
+    across = max(low[0] - face.offset_m, face.offset_m - low[1])
+    along = max(high[0] - face.end_m, face.start_m - high[1])
+    return max(across, along) < MIN_CLEARANCE_M and not _is_side(face, body)
 
 
 def _end_face(body: Body, faces: tuple[FaceRun, ...], direction: int) -> bool:

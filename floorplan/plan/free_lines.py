@@ -20,6 +20,11 @@ MAX_FRAME_ERROR_DEG = 15.0  # no frame's rotation is farther off than this
 DOUBLE_M, DOUBLE_SHARE, DOUBLE_SAMPLES = 0.30, 0.5, 21  # beside a face: nearer than a wall's thickness over half the length
 CROSSING_M = 0.15  # two walls overrun each other by less than this where they meet
 LEAF_TOP_M = 2.15  # a door leaf ends below this
+BIN_M = 0.05  # grain at which a line's own readings are counted
+ON_LINE_M = 0.04  # readings this near to it are the line's ...
+OFF_FACES_M = 0.05  # ... unless they lie this near to a drawn face
+MIN_OWN = 2  # readings of its own in a bin
+OWN_SHARE = 0.7  # of a line's bins: one across the corner of a pier meets readings only where it crosses the pier's faces
 
 
 @dataclass(frozen=True)
@@ -55,8 +60,29 @@ def free_lines(patches: FreePatches, world: PlanWorld, faces: tuple[FaceRun, ...
         _add(clusters, table, int(row))
     lines = [_line(cluster, table, world.heights) for cluster in clusters if _is_wall(cluster, table, world.heights, config)]
     lines = [line for line in lines if np.deg2rad(line.off_axis_deg) >= MIN_OFF_AXIS_RAD and not _doubles_a_face(line, faces)]
+    lines = [line for line in lines if not faces or _own_share(line, world, faces, config) >= OWN_SHARE]
     ordered = sorted(lines, key=lambda line: (line.start, line.end))
     return tuple(replace(line, id=f"L{k + 1}") for k, line in enumerate(ordered))
+
+
+def _own_share(line: FreeLine, world: PlanWorld, faces: tuple[FaceRun, ...], config: PlanConfig) -> float:
+    """Share of a line's length with readings at wall height that no drawn face explains."""
+    start, end = np.array(line.start), np.array(line.end)
+    length = float(np.linalg.norm(end - start))
+    along = (end - start) / length
+    offset = world.point_m[:, :2] - start
+    place = offset @ along
+    on = (np.abs(offset @ np.array([-along[1], along[0]])) <= ON_LINE_M) & (place >= 0) & (place < length)
+    if world.heights:
+        on &= (world.point_m[:, 2] > config.wall_band_low_m) & (world.point_m[:, 2] < config.wall_band_high_m)
+    rows = np.flatnonzero(on)
+    for face in faces:
+        across, beside = np.abs(world.point_m[rows, face.axis] - face.offset_m), world.point_m[rows, 1 - face.axis]
+        within = (beside >= face.start_m - OFF_FACES_M) & (beside <= face.end_m + OFF_FACES_M)
+        rows = rows[(across > OFF_FACES_M) | ~within]
+    bins = max(int(length / BIN_M), 1)
+    own = np.bincount((place[rows] / length * bins).astype(np.int64), minlength=bins)
+    return float((own >= MIN_OWN).mean())
 
 
 def _doubles_a_face(line: FreeLine, faces: tuple[FaceRun, ...]) -> bool:

@@ -29,6 +29,7 @@ from floorplan.plan.overlooked import with_overlooked
 from floorplan.plan.panes import paned_gaps
 from floorplan.plan.plan_frame import PlanWorld, in_plan_frame, on_the_floor, solved_world
 from floorplan.plan.posts import standing_posts
+from floorplan.plan.returns import steps, with_steps
 from floorplan.plan.room_facts import RoomHeight, described, height_dimensions, level_points, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
 from floorplan.plan.storeys import floor_heights_m, frames_of_storeys, patches_of, stacked, storeys
@@ -66,10 +67,12 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     drawing = draw_walls(faces + through.faces, bodies, matter, covariance, ids)
     glimpsed = frozenset(ids[face.run.plane] for face in through.faces)
     columns = column_bodies(bodies, faces)
-    walls = without_columns(drawing, column_faces(columns, faces))
+    space = free_space(world)
+    unseen_steps = steps(faces, space, config)
+    walls = with_steps(without_columns(drawing, column_faces(columns, faces)), unseen_steps)
     path = world.trajectory.position_m[:, :2]
     openings = with_walls(find_openings(gaps, faces, path, surfaces.thick, config), walls)
-    bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, free_space(world), path), config)
+    bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, unseen_steps, space, path), config)
     level = level_points(world)
     levels = tuple(room_height(room, level, world) for room in bare_rooms)
     rooms = described(bare_rooms, levels, faces, planes, covariance)

@@ -1,6 +1,7 @@
 """Rooms: free space between walls and closed openings, as polygons on the inner faces, with area and ceiling height."""
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -15,11 +16,12 @@ from floorplan.model.checks import Array
 from floorplan.model.plan import Point, Room, RoomKind
 from floorplan.plan.arrangement import NO_REGION, Arrangement, Barrier, MatterShare, arrange
 from floorplan.plan.bodies import Body
-from floorplan.plan.closures import narrow_barriers, opening_barriers
+from floorplan.plan.closures import mouth_barriers, narrow_barriers, opening_barriers
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M, FreeSpace
 from floorplan.plan.gaps import Gap
 from floorplan.plan.glazing import GlazedLine, barriers_of
+from floorplan.plan.returns import Step, step_barriers
 
 CORRIDOR_WIDTH_M = 3.0  # corridors are narrower ...
 CORRIDOR_STRETCH = 1.5  # ... and at least about four times as long as wide: perimeter^2 / (16 area), 1 for a square
@@ -32,12 +34,13 @@ MIN_GLIMPSE_ENCLOSED = 0.5  # unvisited and less enclosed than this: the outdoor
 
 @dataclass(frozen=True)
 class RoomScene:
-    """What rooms are made from: faces, their gaps, wall bodies, free space and the sensor's path (F, 2)."""
+    """What rooms are made from: faces, their gaps, wall bodies, unseen steps, free space and the sensor's path (F, 2)."""
 
     faces: tuple[FaceRun, ...]
     gaps: tuple[Gap, ...]
     bodies: tuple[Body, ...]
     glazed: tuple[GlazedLine, ...]
+    steps: tuple[Step, ...]
     space: FreeSpace
     path_xy_m: Array
 
@@ -47,12 +50,14 @@ def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
     glass = (barrier for line in scene.glazed for barrier in barriers_of(line, scene.faces))
     thick = frozenset(index for body in scene.bodies for index in (body.low_face, body.high_face))
     openings = opening_barriers(scene.faces, scene.gaps, thick, config) + narrow_barriers(scene.faces, config)
-    barriers = (*wall_barriers(scene.faces), *openings, *glass)
+    barriers = (*wall_barriers(scene.faces), *step_barriers(scene.steps), *openings, *glass)
     matter = np.array([body.rectangle.bounds for body in scene.bodies]).reshape(-1, 4)
-    arrangement = arrange(barriers, scene.space, MatterShare(matter))
+    mouths = mouth_barriers(scene.faces, config)
+    arrangement = arrange((*barriers, *mouths), scene.space, MatterShare(matter))
     lines = unary_union([_line(barrier) for barrier in barriers]).buffer(SAME_LINE_M)
     shapes = [shape for region in range(arrangement.region.max() + 1) for shape in _polygons(arrangement, region)]
     weak, strong = (unary_union([_line(barrier) for barrier in barriers if barrier.weak is kind]) for kind in (True, False))
+    shapes = through_mouths(shapes, unary_union([_line(mouth) for mouth in mouths]).difference(lines), lines, scene.path_xy_m)
     shapes = with_niches(shapes, weak.difference(strong.buffer(SAME_LINE_M)), lines)
     rooms = [_room(shape, lines, scene.path_xy_m) for shape in shapes if shape.area >= config.min_room_area_m2]
     kept = sorted((room for room in rooms if room is not None), key=lambda room: (-round(room.label[1]), room.label[0]))
@@ -75,6 +80,30 @@ def _polygons(arrangement: Arrangement, region: int) -> list[Polygon]:
         return []
     merged = shapely.union_all(shapely.box(*arrangement.boxes_of(region).T))
     return [orient(part.simplify(1e-6)) for part in getattr(merged, "geoms", [merged])]
+
+
+def through_mouths(shapes: list[Polygon], mouths: BaseGeometry, zone: BaseGeometry, path_xy_m: Array) -> list[Polygon]:
+    """Shapes joined through wide gaps of walls, but for those glimpsed there: never entered, and with more open sides of their own."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    near = mouths.buffer(SAME_LINE_M)
+    joinable = [k for k, shape in enumerate(shapes) if shape.intersects(near) and not _glimpsed(shape, near, zone, path_xy_m)]
+    openings = [shapes[k].boundary.intersection(near).buffer(2 * SAME_LINE_M) for k in joinable]
+    pairs = [(a, b) for a, b in combinations(range(len(joinable)), 2) if openings[a].intersection(openings[b]).length > CELL_M]
+    table = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    size = len(joinable)
+    label = connected_components(coo_array((np.ones(len(table)), (table[:, 0], table[:, 1])), shape=(size, size)), directed=False)[1]
+    groups = [unary_union([shapes[k] for k, one in zip(joinable, label, strict=True) if one == number]) for number in np.unique(label)]
+    joined = [orient(part.simplify(1e-6)) for group in groups for part in getattr(group, "geoms", [group])]
+    return [shape for k, shape in enumerate(shapes) if k not in joinable] + joined
+
+
+def _glimpsed(shape: Polygon, mouths: BaseGeometry, zone: BaseGeometry, path_xy_m: Array) -> bool:
+    """Whether a space was not entered and has more open sides than its mouths."""
+    visited = len(path_xy_m) and shape.intersects(MultiPoint(path_xy_m))
+    sides = shape.boundary.difference(mouths)
+    return not visited and bool(sides.intersection(zone).length < MIN_ENCLOSED * sides.length)
 
 
 def with_niches(shapes: list[Polygon], weak: BaseGeometry, zone: BaseGeometry) -> list[Polygon]:

@@ -1,14 +1,15 @@
 """Where a space ends although no wall was seen."""
 
+import numpy as np
 import pytest
 from shapely.geometry import LineString, Polygon, box
 
 from floorplan.config import PlanConfig
-from floorplan.plan.closures import narrow_barriers, opening_barriers
+from floorplan.plan.closures import mouth_barriers, narrow_barriers, opening_barriers
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.faces import Run
 from floorplan.plan.gaps import Gap
-from floorplan.plan.rooms import with_niches
+from floorplan.plan.rooms import through_mouths, with_niches
 from tests.plan.box_world import cast, wall_with_gap
 from tests.plan.test_glazing_and_columns import SHELL
 
@@ -58,6 +59,26 @@ def test_a_niche_belongs_to_the_room_before_it_unless_it_is_open_elsewhere() -> 
     assert isinstance(joined, Polygon)
     open_behind = walls.difference(LineString([(1.01, 3.5), (1.99, 3.5)]).buffer(1e-3))
     assert len(with_niches([room, niche], mouth, open_behind.buffer(1e-4))) == 2
+
+
+def test_a_wide_gap_in_a_wall_is_a_mouth_and_one_between_short_piers_is_not() -> None:
+    left = face(1, 1, 0.0, 0.0, 3.0)
+    (mouth,) = mouth_barriers((left, face(1, 1, 0.0, 6.0, 9.0)), CONFIG)
+    assert (mouth.axis, mouth.start_m, mouth.end_m) == (1, 3.0, 6.0)
+    assert mouth_barriers((left, face(1, 1, 0.0, 4.0, 9.0)), CONFIG) == ()
+    assert mouth_barriers((face(1, 1, 0.0, 2.0, 3.0), face(1, 1, 0.0, 6.0, 6.5)), CONFIG) == ()
+
+
+def test_what_is_glimpsed_through_a_mouth_is_no_part_of_the_corridor_but_an_entered_or_closed_space_is() -> None:
+    corridor, beyond = box(0, 0, 9, 2), box(3, 2, 6, 4)
+    mouth = LineString([(3, 2), (6, 2)])
+    closed = corridor.boundary.union(beyond.boundary).difference(mouth).buffer(1e-4)
+    far_side_open = closed.difference(LineString([(3.1, 4), (5.9, 4)]).buffer(1e-3))
+    in_corridor, in_both = np.array([[1.0, 1.0]]), np.array([[1.0, 1.0], [4.0, 3.0]])
+    assert len(through_mouths([corridor, beyond], mouth, closed, in_corridor)) == 1
+    assert len(through_mouths([corridor, beyond], mouth, far_side_open, in_corridor)) == 2
+    (joined,) = through_mouths([corridor, beyond], mouth, far_side_open, in_both)
+    assert joined.area == pytest.approx(24.0)
 
 
 def test_a_level_laser_tells_two_rooms_apart_at_a_door_beside_a_wall_that_was_not_seen_whole() -> None:

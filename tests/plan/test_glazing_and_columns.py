@@ -46,6 +46,11 @@ def test_a_pillar_is_a_column_of_its_size() -> None:
     assert size == pytest.approx([0.4, 0.4], abs=0.01)
 
 
+def test_a_pier_that_stands_at_a_wall_is_no_column() -> None:
+    plan = scanned([(3.8, 4.2, 3.6, 4.0, 0.0, CEILING_M)]).plan()
+    assert plan.columns == ()
+
+
 def test_no_line_is_drawn_twice() -> None:
     plan = scanned([]).plan()
     lines = [tuple(sorted(line)) for wall in plan.walls for line in wall.seen]
