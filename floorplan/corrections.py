@@ -27,6 +27,7 @@ from floorplan.stage_functions import make_plan, merge, resolve
 from floorplan.trajectory import keyframe_trajectory
 from floorplan.work.disk import clear_disk_errors, new_file
 
+FULL_TURN_DEG = 360.0
 LASER_NEEDS_WEIGHTS = "--laser needs the weighted rows of merge.method = evidence; the published merge has none"
 
 
@@ -165,9 +166,12 @@ def with_start(config: Config, start: str | None) -> Config:
 
 
 def with_site(config: Config, control: Path | None, north_deg: float | None) -> Config:
-    """The configuration that places the plan on the site grid. Raises InputError when the control points cannot be read."""
+    """The configuration that places the plan on the site grid. Raises InputError when the control points cannot be read,
+    UsageError for an angle that is none."""
     path, digest = _checked_file(control, config.site.control_file, read_control)
     north = config.site.north_deg if north_deg is None else north_deg
+    if north is not None and not abs(north) <= FULL_TURN_DEG:
+        raise UsageError(f"north at {north:g} degrees: give an angle from -360 to 360, counter-clockwise from the plan's +y")
     return replace(config, site=SiteConfig(path, digest, north))
 
 

@@ -25,6 +25,14 @@ ON_SHEETS = ("dxf", "svg", "pdf", "png", "report")  # writers that lay the plan 
 TURNED_DEG = 2.0  # steps of the angle that the plan may lie at under the path
 PATH_SHARE = 0.9  # of the path's size that is sure: odometry may have stretched it
 TABLES = ("dimensions", "rooms")  # writers of comma-separated tables
+FORMATS_OF_SUFFIX: dict[str, tuple[str, ...]] = {  # endings that promise a content; any other says nothing
+    **{f".{name}": (name,) for name in ("dxf", "svg", "pdf", "png", "geojson", "ifc")},
+    **{f".{name}": () for name in ("jpg", "jpeg", "tif", "tiff", "bmp", "webp", "gif", "dwg", "dwf", "eps", "ifcxml", "ifczip")},
+    ".json": ("json", "geojson"),
+    ".csv": TABLES,
+    ".html": ("report",),
+    ".htm": ("report",),
+}
 EARLIEST_CLOCK_S = 946_684_800  # 2000-01-01: smaller stamps count from some other beginning than 1970
 
 
@@ -57,6 +65,9 @@ def check_drawings(drawings: tuple[Drawing, ...]) -> None:
             raise UsageError(f"{drawing.path}: there is no folder {drawing.path.parent}; make it first")
         if drawing.path.is_dir():
             raise UsageError(f"{drawing.path} is a folder; give the name of a file")
+        suffix = drawing.path.suffix.lower()
+        if suffix in FORMATS_OF_SUFFIX and drawing.format not in FORMATS_OF_SUFFIX[suffix]:
+            raise UsageError(f"{drawing.path}: this would hold {drawing.format.upper()}, not {suffix}; give the name another ending")
 
 
 def check_sheet(drawings: tuple[Drawing, ...], drawing: DrawingConfig, path_xy_m: Array) -> None:
@@ -68,21 +79,25 @@ def check_sheet(drawings: tuple[Drawing, ...], drawing: DrawingConfig, path_xy_m
         return
     from floorplan.writers.layers import layer_styles
     from floorplan.writers.occupancy import Rectangle
-    from floorplan.writers.scale import fits, parse_scale
+    from floorplan.writers.scale import IMPERIAL_SERIES, METRIC_SERIES, Scale, fits, parse_scale
     from floorplan.writers.sheet_size import sheet_named
     from floorplan.writers.unit_style import unit_style
 
     layer_styles(drawing.layers)
-    unit_style(drawing.units)
+    units = unit_style(drawing.units)
     area = sheet_named(drawing.sheet).drawing
     if not drawing.scale:
         return
     scale, angles = parse_scale(drawing.scale), np.radians(np.arange(0.0, 180.0, TURNED_DEG))
     along = PATH_SHARE * np.ptp(path_xy_m @ np.stack((np.cos(angles), np.sin(angles))), axis=0)
-    sizes = zip(along, np.roll(along, len(angles) // 2), strict=True)  # along each angle, and square to it
-    if not any(fits(scale, Rectangle(0.0, 0.0, float(width), float(height)), area) for width, height in sizes):
+    square = np.roll(along, len(angles) // 2)  # to each angle
+    sizes = [Rectangle(0.0, 0.0, float(width), float(height)) for width, height in zip(along, square, strict=True)]
+    if not any(fits(scale, size, area) for size in sizes):
+        series = METRIC_SERIES if units.metric else IMPERIAL_SERIES
+        fitting = next((Scale(one) for one in series if any(fits(Scale(one), size, area) for size in sizes)), None)
         path = f"the walked path alone, {max(along) / PATH_SHARE:.0f} m across, does not fit the sheet"
-        raise ConfigError(f"drawing.scale = {drawing.scale!r}: {path}; leave --scale out, or use a larger --sheet")
+        remedy = f"use {fitting.label} or smaller, or a larger --sheet" if fitting else "leave --scale out, or use a larger --sheet"
+        raise ConfigError(f"drawing.scale = {drawing.scale!r}: {path}; {remedy}")
 
 
 def write_drawings(
@@ -94,6 +109,9 @@ def write_drawings(
     from floorplan import writers  # ezdxf and matplotlib come with it
 
     job = writers.Job(results.plan, config.drawing, _project(config, results.plan), sheet_facts(results, table, scan))
+    pictures = [drawing.format for drawing in drawings if drawing.format in ON_SHEETS and drawing.format != "dxf"]
+    if config.drawing.template and pictures:
+        reporter.message(f"note: {', '.join(pictures)}: drawn with the built-in title block; a template is for DXF")
     for drawing in drawings:
         with clear_disk_errors(drawing.path):
             for path in writers.write_job(drawing.format, job, drawing.path):

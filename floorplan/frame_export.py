@@ -21,8 +21,8 @@ _ENLARGED = 4  # screen pixels per pixel of the grid: a frame is looked at in ha
 def export_frame(work: Path, config: Config, frame: int, path: Path) -> int:
     """Write the picture of the keyframe nearest to row `frame` of the recording as PNG; gives that keyframe's row.
 
-    The compass surveys the recording again, so that the labels are the very ones of the stage. Raises `InputError` for a laser and
-    for a frame that cannot be read, `WorkFolderError` before the first stage is finished.
+    The compass surveys the recording again, so that the labels are the very ones of the stage. Raises `UsageError` for a frame
+    that does not exist, `InputError` for a laser and for a frame that cannot be read, `WorkFolderError` before the first stage is finished.
     """
     owner = read_owner(work)
     if owner.scans:
@@ -34,6 +34,8 @@ def export_frame(work: Path, config: Config, frame: int, path: Path) -> int:
     from floorplan.segments import frame_picture, grid_stride, segment_frame
 
     source = trimmed(open_scan(Path(owner.scan), owner.format, config.read), config.ingest.trim)
+    if not 0 <= frame < len(scan.recording):
+        raise UsageError(f"--frame {frame}: the recording has the frames 0 to {len(scan.recording) - 1}")
     index = int(np.argmin(np.abs(scan.keyframe - frame)))
     row, sensor = int(scan.keyframe[index]), scan.recording.sensor
     read = next(iter(source.frames([row], grid_stride(sensor, config.segments))))

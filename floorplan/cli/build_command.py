@@ -12,10 +12,12 @@ from floorplan.cli.calibration_table import print_calibration
 from floorplan.cli.console import ConsoleReporter, echo, echo_table
 from floorplan.cli.interrupts import INTERRUPTED, was_interrupted
 from floorplan.cli.site_table import print_site
+from floorplan.errors import UsageError
 from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
     from floorplan.build import Job
+    from floorplan.drawings import Drawing
     from floorplan.results import Results
     from floorplan.work.stages import Stage
 
@@ -69,10 +71,12 @@ def build(
     redo_from, until = _stages(from_stage, until_stage)
     for scan in scans:
         o.check_scan(scan)
+        o.check_topics(scan, format, topics)
     from floorplan.build import Job
     from floorplan.corrections import with_edits, with_laser, with_site, with_start
 
     drawings = o.asked_drawings(csv, dxf=dxf, svg=svg, pdf=pdf, png=png, json=json, geojson=geojson, ifc=ifc, report=report)
+    _check_drawn(drawings, until)
     o.check_template(effective)
     effective = with_site(with_start(with_edits(with_laser(effective, laser), edits), start), control, north)
     job = Job(scans[0], work or o.default_work(*scans), effective, format, redo_from, until, drawings, jobs or os.cpu_count() or 1)
@@ -89,6 +93,15 @@ def _stages(from_stage: str | None, until_stage: str | None) -> "tuple[Stage | N
     until = stage_named(until_stage) if until_stage else None
     check_order(redo_from, until)
     return redo_from, until
+
+
+def _check_drawn(drawings: "tuple[Drawing, ...]", until: "Stage | None") -> None:
+    """Raise UsageError where drawings are asked of a build that stops before there is a plan."""
+    from floorplan.work.stages import PLAN
+
+    if drawings and until not in (None, PLAN):
+        asked = ", ".join(str(drawing.path) for drawing in drawings)
+        raise UsageError(f"--until {until.name} stops before the plan, so {asked} would not be drawn; leave one of the two out")
 
 
 def _run(job: "Job", scans: list[Path], reporter: ConsoleReporter) -> "Results | None":

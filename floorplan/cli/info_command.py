@@ -26,6 +26,7 @@ def info(
     """What is in a recording, and what 'build' would complain about; of a folder of recordings, which they are."""
     effective = o.effective_config(config, [*(settings or []), *o.topic_settings(topics), *o.trim_settings(trim)])
     o.check_scan(scan)
+    o.check_topics(scan, format, topics)
     from floorplan.inspection import inspect_scan
     from floorplan.readers import choices_in, open_scan
     from floorplan.trim import trimmed

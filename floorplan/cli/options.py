@@ -119,6 +119,18 @@ def check_scan(scan: Path) -> None:
         raise InputError(f"{scan}: no such file or folder; give the folder that holds the recording, or the log file")
 
 
+def check_topics(scan: Path, format: str | None, topics: list[str] | None) -> None:
+    """Raise `UsageError` at once for topics of a recording that has none."""
+    if not topics:
+        return
+    from floorplan.errors import UsageError
+    from floorplan.readers import reader_for
+
+    reader = reader_for(scan, format)
+    if reader.name != "ros":
+        raise UsageError(f"--topic {topics[0]}: {scan} is no ROS bag but {reader.description}; leave --topic out")
+
+
 def check_template(config: "Config") -> None:
     """Raise `ConfigError` at once when the title block of one's own lacks what it must own."""
     if config.drawing.template:

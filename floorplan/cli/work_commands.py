@@ -126,6 +126,8 @@ def export(
     drawn |= {"profile": profile, "layers": layers, "dxf_version": dxf_version}
     effective = o.effective_config(config or work / "config.toml", settings, **drawn)
     effective = with_site(effective, control, north)
+    if dxf is not None:
+        o.check_template(effective)
     if drawings:
         _export_drawings(work, effective, drawings, quiet)
     if graph is not None:

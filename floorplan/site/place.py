@@ -1,6 +1,6 @@
 """The rigid motion from plan to site grid: least squares over the control points, or a north angle alone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +13,16 @@ from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan, Point
 from floorplan.model.site import ControlPoint, Site
 from floorplan.site.control import ControlRow, read_control
+from floorplan.site.fit import LOUD_M, Fit, OddPoint, fit_points, odd_point
 
 SNAP_M = 0.30  # a point given by eye belongs to a corner this near
 POINT_SIGMA_M = 0.01  # of a control point where too few are there to tell: a total station on a wall corner
 LEAST_SIGMA_M = 0.002  # ... and at least: points that fit by chance promise nothing better
 SCALE_SIGMAS = 3.0  # a scale further from 1 than this is told
 SWAPPED_GAIN = 5.0  # east and north exchanged fit this many times better
-LOUD_M = 0.05  # a point that is missed by more, and ...
-LOUD_RATIO = 3.0  # ... by this many times the median of the others, is told
+LEFT_OUT_M = 0.30  # a point that the others place further away is mistyped, or another corner: it must not turn the plan
+REFUSED_M, REFUSED_SHARE = 1.0, 0.02  # points that miss by more, and by more of their distance, are not those of this plan
+SAME_NORTH_DEG = 1.0  # a north angle this near that of the control points says the same
 
 
 def on_site(plan: Plan, config: SiteConfig) -> Plan:
@@ -48,38 +50,23 @@ def placed_by(plan: Plan, rows: tuple[ControlRow, ...], north_deg: float | None 
     here, there = np.array([point for point, _ in snapped]), np.array([row.site for row in rows])
     if len(rows) == 1 and north_deg is None:
         raise InputError("one control point says where, not which way: give another one, or --north DEG as well")
-    fit = _fit(here, there, None if len(rows) > 1 else -np.radians(north_deg or 0.0))
     _check_units(here, there)
-    _check_swapped(here, there, fit)
+    odd = odd_point(here, there)
+    used = np.array([odd is None or odd.miss_m <= LEFT_OUT_M or row != odd.row for row in range(len(rows))])
+    fit = fit_points(here[used], there[used], None if len(rows) > 1 else -np.radians(north_deg or 0.0))
+    _check_swapped(here, there, fit_points(here, there) if len(rows) > 1 else fit)
+    _check_fit(rows, used, fit.missed_m(here, there), float(np.ptp(there, axis=0).max()))
     site = Site(float(np.degrees(fit.angle_rad)), float(fit.shift_m[0]), float(fit.shift_m[1]))
     points = []
     for row, (plan_point, at_corner) in zip(rows, snapped, strict=True):
         east, north = site.to_site(plan_point)
         points.append(ControlPoint(row.name, plan_point, row.site, at_corner, (east - row.site[0], north - row.site[1])))
-    scale, sigma = _scale(here, there, fit)
-    return replace(site, points=tuple(points), scale=scale, scale_sigma=sigma, warnings=_warnings(points, scale, sigma))
+    scale, sigma = _scale(here[used], there[used], fit)
+    warnings = (*_odd_words(odd, rows), *_north_words(site, north_deg, len(rows)), *_scale_words(scale, sigma))
+    return replace(site, points=tuple(points), scale=scale, scale_sigma=sigma, warnings=warnings)
 
 
-@dataclass(frozen=True)
-class _Fit:
-    angle_rad: float
-    shift_m: Array
-    rms_m: float
-
-
-def _fit(here: Array, there: Array, angle_rad: float | None = None) -> _Fit:
-    """Turn and shift with the least squares of misses (N, 2); only the shift where the angle is given."""
-    a, b = here - here.mean(axis=0), there - there.mean(axis=0)
-    if angle_rad is None:
-        angle_rad = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
-    cos, sin = np.cos(angle_rad), np.sin(angle_rad)
-    turn = np.array([[cos, -sin], [sin, cos]])
-    shift = there.mean(axis=0) - turn @ here.mean(axis=0)
-    miss = a @ turn.T - b
-    return _Fit(angle_rad, shift, float(np.sqrt((miss**2).sum(axis=1).mean())))
-
-
-def _scale(here: Array, there: Array, fit: _Fit) -> tuple[float | None, float | None]:
+def _scale(here: Array, there: Array, fit: Fit) -> tuple[float | None, float | None]:
     """Site length over plan length and its standard deviation."""
     a, b = here - here.mean(axis=0), there - there.mean(axis=0)
     spread = float((a**2).sum())
@@ -104,28 +91,51 @@ def _check_units(here: Array, there: Array) -> None:
         raise InputError(f"control points: the distance between them {mixed_up}")
 
 
-def _check_swapped(here: Array, there: Array, fit: _Fit) -> None:
+def _check_swapped(here: Array, there: Array, fit: Fit) -> None:
     """Raise InputError where north stands in the column of east."""
-    if len(here) > 2 and fit.rms_m > LOUD_M and _fit(here, there[:, ::-1]).rms_m * SWAPPED_GAIN < fit.rms_m:
+    if len(here) > 2 and fit.rms_m > LOUD_M and fit_points(here, there[:, ::-1]).rms_m * SWAPPED_GAIN < fit.rms_m:
         raise InputError(
             f"control points: missed by {fit.rms_m:.2f} m as they stand, hardly with east and north exchanged; is 'east' the easting?"
         )
 
 
-def _warnings(points: list[ControlPoint], scale: float | None, sigma: float | None) -> tuple[str, ...]:
-    found = []
-    for point in points:
-        others = [other.miss_m for other in points if other is not point]
-        if len(points) > 2 and point.miss_m > LOUD_M and point.miss_m > LOUD_RATIO * float(np.median(others)):
-            miss = f"is missed by {point.miss_m:.3f} m, far more than the others: mistyped, or another corner?"
-            found.append(f"control point {point.name} {miss}")
-    if scale is not None and sigma is not None and abs(scale - 1) > SCALE_SIGMAS * sigma:
-        half = 100 * NORMAL_95 * sigma
-        found.append(
-            f"lengths on the site grid are {100 * (scale - 1):+.3f} % (+-{half:.3f}) of the plan's: the grid's own scale factor "
-            "(a map projection's is within 0.05 %), or a scale error of the scan, which --laser finds; the plan keeps its lengths"
-        )
-    return tuple(found)
+def _check_fit(rows: tuple[ControlRow, ...], used: Array, miss_m: Array, across_m: float) -> None:
+    """Raise InputError where the points that place the plan miss by metres."""
+    worst = float(miss_m[used].max())
+    if worst > max(REFUSED_M, REFUSED_SHARE * across_m):
+        told = ", ".join(f"{row.name} {miss:.2f} m" for row, miss in zip(rows, miss_m, strict=True))
+        raise InputError(f"control points: missed by up to {worst:.2f} m ({told}): mistyped, mixed up, or not of this plan; check them")
+
+
+def _odd_words(odd: OddPoint | None, rows: tuple[ControlRow, ...]) -> tuple[str, ...]:
+    """The one point that the others contradict."""
+    if odd is None:
+        return ()
+    left_out = "; it is left out" if odd.miss_m > LEFT_OUT_M else ""
+    miss = f"is missed by {odd.miss_m:.3f} m from where the others put it, and they agree: mistyped, or another corner?"
+    return (f"control point {rows[odd.row].name} {miss}{left_out}",)
+
+
+def _north_words(site: Site, north_deg: float | None, points: int) -> tuple[str, ...]:
+    """A north angle beside control points, which know better."""
+    if north_deg is None or points < 2:
+        return ()
+    apart = (north_deg - site.north_deg + 180.0) % 360.0 - 180.0
+    if abs(apart) <= SAME_NORTH_DEG:
+        return ()
+    found = f"the control points have north at {site.north_deg % 360.0:.2f} degrees"
+    return (f"north at {north_deg:g} degrees is not used: {found}, {abs(apart):.1f} away; leave one of the two out",)
+
+
+def _scale_words(scale: float | None, sigma: float | None) -> tuple[str, ...]:
+    """A scale that the points ask for, where it is sure."""
+    if scale is None or sigma is None or abs(scale - 1) <= SCALE_SIGMAS * sigma:
+        return ()
+    half = 100 * NORMAL_95 * sigma
+    return (
+        f"lengths on the site grid are {100 * (scale - 1):+.3f} % (+-{half:.3f}) of the plan's: the grid's own scale factor "
+        "(a map projection's is within 0.05 %), or a scale error of the scan, which --laser finds; the plan keeps its lengths",
+    )
 
 
 def _corners(plan: Plan) -> Array:

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 from floorplan.config import DrawingConfig
 from floorplan.errors import ConfigError
 from floorplan.writers.layers import Layer, LayerStyle, layer_styles
+from floorplan.writers.sheet_size import sheet_named
 from floorplan.writers.title_block import TITLE_BLOCK
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
+BEYOND_MM = 1.0  # lines on the paper's very edge
 APPLICATION = "FLOORPLAN"  # registered application of the extended data that carries our ids
 REQUIRED_TAGS = ("PROJECT", "DATE", "SCALE", "ACCURACY")  # a sheet without these is not one of this program's plans
 
@@ -18,7 +20,22 @@ REQUIRED_TAGS = ("PROJECT", "DATE", "SCALE", "ACCURACY")  # a sheet without thes
 def check_template(drawing: DrawingConfig) -> None:
     """Raise ConfigError naming everything that the template of `drawing` lacks, before any work is done; none is fine."""
     if drawing.template:
-        open_template(drawing.template, layer_styles(drawing.layers))
+        document = open_template(drawing.template, layer_styles(drawing.layers))
+        _check_size(document, drawing)
+
+
+def _check_size(document: "Drawing", drawing: DrawingConfig) -> None:
+    """Raise ConfigError for a title block whose lines reach beyond the sheet."""
+    from ezdxf.bbox import extents
+
+    sheet = sheet_named(drawing.sheet)
+    box = extents(document.blocks.get(TITLE_BLOCK).query("LINE LWPOLYLINE POLYLINE SOLID"), fast=True)
+    if not box.has_data or (box.extmax.x <= sheet.width_mm + BEYOND_MM and box.extmax.y <= sheet.height_mm + BEYOND_MM):
+        return
+    raise ConfigError(
+        f"drawing.template = {drawing.template!r}: its title block reaches to {box.extmax.x:.0f} x {box.extmax.y:.0f} mm, beyond the sheet "
+        f"{sheet.name} of {sheet.width_mm:g} x {sheet.height_mm:g}; give --sheet the size that it was made for"
+    )
 
 
 def open_template(path: str, layers: dict[Layer, LayerStyle]) -> "Drawing":

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floorplan.config import SiteConfig
-from floorplan.errors import InputError
+from floorplan.config import Config, SiteConfig
+from floorplan.corrections import with_site
+from floorplan.errors import InputError, UsageError
 from floorplan.model.site import Site
 from floorplan.site import on_site
 from floorplan.site.control import ControlRow, parse_control, read_control
@@ -57,7 +58,38 @@ def test_residuals_are_those_of_the_noise_and_the_scale_is_told_only_when_it_is_
 def test_a_mistyped_point_is_named() -> None:
     wrong = list(rows())
     wrong[2] = replace(wrong[2], site=(wrong[2].site[0] + 1.0, wrong[2].site[1]))
-    assert any("control point C" in warning for warning in placed_by(sample_plan(), tuple(wrong)).warnings)
+    site = placed_by(sample_plan(), tuple(wrong))
+    assert ["control point C" in warning for warning in site.warnings] == [True]
+    assert "missed by 1.000 m" in site.warnings[0]
+    assert site.rotation_deg == pytest.approx(31.7, abs=1e-6)  # it is left out
+    assert [point.miss_m < 1e-6 for point in site.points] == [True, True, False, True]
+
+
+def test_a_point_that_is_a_little_off_is_told_and_kept() -> None:
+    wrong = list(rows())
+    wrong[1] = replace(wrong[1], site=(wrong[1].site[0] + 0.1, wrong[1].site[1]))
+    site = placed_by(sample_plan(), tuple(wrong))
+    assert len(site.warnings) == 1
+    assert "control point B" in site.warnings[0]
+    assert "left out" not in site.warnings[0]
+    assert 0.001 < abs(site.rotation_deg - 31.7) < 2.0
+
+
+def test_points_that_miss_by_metres_and_blame_no_one_are_refused() -> None:
+    wrong = list(rows())
+    wrong[0], wrong[2] = replace(wrong[0], site=wrong[2].site), replace(wrong[2], site=wrong[0].site)
+    with pytest.raises(InputError, match="missed by up to"):
+        placed_by(sample_plan(), tuple(wrong))
+
+
+def test_a_north_angle_beside_control_points_is_told_where_it_differs() -> None:
+    assert placed_by(sample_plan(), rows(), north_deg=-31.5).warnings == ()
+    assert placed_by(sample_plan(), rows(), north_deg=360 - 31.5).warnings == ()
+    assert "north at 30 degrees is not used" in placed_by(sample_plan(), rows(), north_deg=30.0).warnings[0]
+    with pytest.raises(UsageError, match="-360 to 360"):
+        with_site(Config(), None, 400.0)
+    with pytest.raises(UsageError, match="-360 to 360"):
+        with_site(Config(), None, math.nan)
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,14 @@
 from pathlib import Path
 
 import ezdxf
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from floorplan import writers
 from floorplan.cli import app
 from floorplan.config import DrawingConfig, ProjectConfig
+from floorplan.drawings import Drawing, check_sheet
 from floorplan.errors import ConfigError
 from floorplan.templates_dir import templates_dir
 from floorplan.writers.dxf_template import check_template
@@ -67,7 +69,9 @@ def test_the_command_writes_the_shipped_template_and_templates_of_other_sheets(t
         result = CliRunner().invoke(app, ["template", str(tmp_path / f"{sheet}.dxf"), "--sheet", sheet])
         assert result.exit_code == 0, result.output
     assert (tmp_path / "A3.dxf").read_bytes() == (templates_dir() / "sheet-A3.dxf").read_bytes()
-    check_template(DrawingConfig(template=str(tmp_path / "ANSI D.dxf")))
+    check_template(DrawingConfig(template=str(tmp_path / "ANSI D.dxf"), sheet="ANSI D"))
+    with pytest.raises(ConfigError, match="851 x 546 mm, beyond the sheet A3"):
+        check_template(DrawingConfig(template=str(tmp_path / "ANSI D.dxf")))
 
 
 def test_a_template_that_lacks_something_is_refused_before_the_build(tmp_path: Path) -> None:
@@ -99,3 +103,11 @@ def test_a_drawing_with_a_plan_is_no_template_until_it_is_emptied(tmp_path: Path
     own.modelspace().delete_all_entities()
     own.saveas(tmp_path / "emptied.dxf")
     assert written(tmp_path / "emptied.dxf", tmp_path / "plan.dxf").audit().errors == []
+
+
+def test_a_scale_the_path_alone_does_not_fit_names_one_it_fits() -> None:
+    path = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 5.0]])
+    drawn = (Drawing("png", Path("plan.png")),)
+    with pytest.raises(ConfigError, match="use 1:50 or smaller"):
+        check_sheet(drawn, DrawingConfig(scale="1:20"), path)
+    check_sheet(drawn, DrawingConfig(scale="1:50"), path)
