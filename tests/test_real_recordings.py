@@ -58,7 +58,9 @@ def test_the_wall_behind_the_meeting_rooms_glass_is_seen_through_it(meeting_room
     behind = [abs(f.start[axis] - glass.start[axis]) for f in meeting_room.faces if abs(f.start[axis] - f.end[axis]) < 1e-6]
     far = [distance for distance in behind if distance > 1.0]
     assert len(far) >= 1
-    assert [f.certainty for f in meeting_room.faces].count(Certainty.INFERRED) == 1
+    inferred = [f for f in meeting_room.faces if f.certainty is Certainty.INFERRED]
+    assert 1 <= len(inferred) <= 2  # between the mullions it may fall in two
+    assert len({round(f.start[axis], 2) for f in inferred}) == 1
     assert far == [pytest.approx(2.6, abs=0.15)] * len(far)  # glass and wall 6 m off: a coarse reading
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from floorplan.compass.slips import without_strays
 from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 
@@ -58,13 +59,23 @@ def smooth_angle(
         reading_scale, walk_size = _noise_sizes(angle_rad, sigma_rad, step_scale)
     step = np.maximum(walk_size * step_scale, _MIN_STEP_SIGMA_RAD)
     sigma = sigma_rad * max(reading_scale, least_scale)  # averaging cannot remove what neighbours share
+    if slips:
+        believed, walked = without_strays(angle_rad, sigma**2, step**2)
+        mean, variance = _smooth(angle_rad, believed, walked)
+    else:
+        mean, variance = _without_outliers(angle_rad, sigma, step)
+    shared = math.sqrt(max(least_scale**2 - reading_scale**2, 0.0))
+    return SmoothedAngle(mean, np.sqrt(variance), step, shared)
+
+
+def _without_outliers(angle_rad: Array, sigma: Array, step: Array) -> tuple[Array, Array]:
+    """Mean and variance (K,) of a walk without slips: readings far off it count less."""
     weight = np.ones(len(angle_rad))
     for _ in range(_ROUNDS):
         mean, variance = _smooth(angle_rad, sigma**2 / weight, step**2)
         off = np.abs(angle_rad - mean) / np.where(np.isfinite(sigma), sigma, np.inf)
         weight = np.where(off > _HUBER, _HUBER / np.maximum(off, 1e-12), 1.0)
-    shared = math.sqrt(max(least_scale**2 - reading_scale**2, 0.0))
-    return SmoothedAngle(mean, np.sqrt(variance), step, shared)
+    return mean, variance
 
 
 def _noise_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple[float, float]:
