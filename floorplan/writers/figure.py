@@ -1,10 +1,12 @@
 """PDF and PNG of a sheet through matplotlib, whose own fonts are the same on every machine; the only module that imports it."""
 
 import io
+from dataclasses import dataclass
+from itertools import count, groupby
 from typing import TYPE_CHECKING, Any
 
 from floorplan.writers.layers import Layer, LayerStyle
-from floorplan.writers.scene import Fill, Label, Scene, Stroke
+from floorplan.writers.scene import Fill, Item, Label, Scene, Stroke
 from floorplan.writers.text_size import CAP_HEIGHT_EM
 
 if TYPE_CHECKING:
@@ -71,29 +73,51 @@ def _draw(figure: "Figure", scene: Scene, layers: dict[Layer, LayerStyle]) -> No
     axes.set_axis_off()
     axes.set_xlim(0, scene.width_mm)
     axes.set_ylim(0, scene.height_mm)
-    for order, item in enumerate(scene.items):
-        if isinstance(item, Label):
-            _label(axes, item, layers[item.layer].ink, order)
-        elif isinstance(item, Fill):
-            _fill(axes, item, order)
-        else:
-            _stroke(axes, item, layers[item.layer], order)
+    order = count()  # later ones lie on top
+    for (layer, filled), run in groupby(scene.items, key=lambda item: (item.layer, isinstance(item, Fill))):
+        items = list(run)
+        if filled:
+            for item in items:
+                if isinstance(item, Fill):
+                    _fill(axes, item, next(order))
+            continue
+        for pen, strokes in _by_pen(items, layers[layer]).items():
+            _strokes(axes, strokes, pen, layers[layer].ink, next(order))
+        for item in items:
+            if isinstance(item, Label):
+                _label(axes, item, layers[layer].ink, next(order))
 
 
-def _stroke(axes: "Axes", stroke: Stroke, style: LayerStyle, order: int) -> None:
+@dataclass(frozen=True)
+class _Pen:
+    """What a stroke is drawn with: width, and lengths of dashes and gaps."""
+
+    width_mm: float
+    dash_mm: tuple[float, ...]
+
+
+def _by_pen(items: list[Item], style: LayerStyle) -> dict[_Pen, list[Stroke]]:
+    """The strokes of one layer by their pen: of one ink, they may be drawn as one path, which takes a third of the time."""
+    found: dict[_Pen, list[Stroke]] = {}
+    for item in items:
+        if isinstance(item, Stroke):
+            pen = _Pen(style.pen_mm if item.pen_mm is None else item.pen_mm, tuple(item.dash_mm))
+            found.setdefault(pen, []).append(item)
+    return found
+
+
+def _strokes(axes: "Axes", strokes: list[Stroke], pen: _Pen, ink: str, order: int) -> None:
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    points = (*stroke.points, stroke.points[0]) if stroke.closed else stroke.points
-    pen = style.pen_mm if stroke.pen_mm is None else stroke.pen_mm
-    dash = (0, tuple(length / pen for length in stroke.dash_mm)) if stroke.dash_mm else "-"
+    paths = [Path((*one.points, one.points[0]) if one.closed else one.points, closed=one.closed) for one in strokes]
     axes.add_patch(
         PathPatch(
-            Path(points, closed=stroke.closed),
+            Path.make_compound_path(*paths),
             fill=False,
-            edgecolor=style.ink,
-            linewidth=pen * POINTS_PER_MM,
-            linestyle=dash,
+            edgecolor=ink,
+            linewidth=pen.width_mm * POINTS_PER_MM,
+            linestyle=(0, tuple(length / pen.width_mm for length in pen.dash_mm)) if pen.dash_mm else "-",
             capstyle="butt",
             joinstyle="miter",
             zorder=order,
