@@ -20,6 +20,7 @@ from floorplan.tracking import track
 
 _LARGE_PX = 500  # of the full image: the segments the bars are about
 _MATCH_M = 0.06  # a segment's plane is one of the truth's this near
+_BIASED_M = 0.025  # 0.4 % of the range, and ripple
 _ONE_PLANE_M = 1e-3  # two ceilings, built alike
 _SAME_M = 5e-4  # offsets of one plane, as the truth rounds them
 _BESIDE_M = 0.05  # beyond the end of a face
@@ -99,7 +100,7 @@ def _poses_of_keyframes(trajectory: dict[str, list[float]], scan: IngestedScan) 
 def _matched(truth: dict[str, list[dict[str, float]]], poses: _TruePoses, segmented: SegmentedScan, quarter: int) -> tuple[Array, Array]:
     """The true plane (S,) of each segment as the true pose places it, _NOT_FOUND beyond `_MATCH_M`; and how far off (S,).
 
-    Planes that lie where the segment lies go first, the nearest of them: ceilings of two rooms may differ by millimetres.
+    Planes that lie where the segment lies go before others by what a biased depth can do: ceilings of two rooms may differ by millimetres.
     """
     segments = segmented.segments
     planes = np.array([(p["axis"], p["facing"], p["offset"]) for p in truth["planes"]])
@@ -108,14 +109,15 @@ def _matched(truth: dict[str, list[dict[str, float]]], poses: _TruePoses, segmen
     own = poses.position_m[segments.frame, true_axis] + sign * segments.distance_m
     facing = sign * segments.facing
     place = poses.position_m[segments.frame] + np.einsum("sij,sj->si", poses.world_from_sensor[segments.frame], segments.centroid_sensor_m)
-    plane, off, here = np.full(len(own), _NOT_FOUND), np.full(len(own), np.inf), np.zeros(len(own), dtype=bool)
+    plane, off, least = np.full(len(own), _NOT_FOUND), np.full(len(own), np.inf), np.full(len(own), np.inf)
     for number, (axis, face, offset) in enumerate(planes):
         gap = own - offset
         near = (true_axis == axis) & (facing == face) & (np.abs(gap) < _MATCH_M)
         lies_here = np.zeros(len(own), dtype=bool)
         lies_here[near] = _carries(truth, int(axis), int(face), offset, place[near])
-        better = near & np.where(here == lies_here, np.abs(gap) < np.abs(off), lies_here)
-        plane[better], off[better], here[better] = same_as[number], gap[better], lies_here[better]
+        away = np.abs(gap) + np.where(lies_here, 0.0, _BIASED_M)
+        better = near & (away < least)
+        plane[better], off[better], least[better] = same_as[number], gap[better], away[better]
     return plane, off
 
 
