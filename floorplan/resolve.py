@@ -37,7 +37,7 @@ def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> L
     Standard deviations contain the accuracy of the sensor as far as the graph knows it.
     """
     if merged.noise is not None:
-        solution = weighted_resolve(graph, merged.plane_of_track, merged.noise, config.covariance)
+        solution = weighted_resolve(graph, merged.plane_of_track, merged.noise, config.covariance, made=merged.made)
     else:
         solution = _unweighted(graph, merged, config)
     return with_range_errors(solution, graph)

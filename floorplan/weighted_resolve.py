@@ -6,12 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from floorplan.merge_slack import slack_of_tracks_m
 from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution
+from floorplan.model.merges_made import MergesMade
 from floorplan.model.noise import ScanNoise
 from floorplan.model.ties import DistanceTies
 from floorplan.rows import residual_norm
+from floorplan.track_bias import track_bias_m
 from floorplan.weighted import KnownSystem, known_systems, solve
 
 
@@ -22,21 +25,24 @@ def weighted_resolve(
     keep_covariance: bool = True,
     ties: DistanceTies | None = None,
     known: Sequence[KnownSystem] | None = None,
+    made: MergesMade | None = None,
 ) -> LayoutSolution:
-    """Planes, positions and covariance under `noise`; a track is its plane plus a bias of `noise.bias_sigma_m` (E10).
+    """Planes, positions and covariance under `noise`; a track is its plane plus its bias (E10).
 
     `ties` are distances between final planes measured by hand: further rows, each with its sigma. `known`: the graph's systems, where
-    they were solved under this noise before.
+    they were solved under this noise before. `made`: the merges behind `plane_of_track`; what they leave open is in the covariance (E13).
     """
     planes = merged_graph(graph, plane_of_track)
     count = len(planes.axis)
+    bias_m2 = track_bias_m(graph, noise) ** 2
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
     offset, covariance = np.zeros(count), np.zeros((count, count))
     for one in known if known is not None else known_systems(graph, noise):
         mine, member = np.unique(plane_of_track[one.system.tracks], return_inverse=True)
         blurred = one.covariance_m2.copy()
-        np.fill_diagonal(blurred, blurred.diagonal() + noise.bias_sigma_m**2)
-        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(one.solution.offset_m, blurred, member, _tie_rows(ties, mine))
+        np.fill_diagonal(blurred, blurred.diagonal() + bias_m2[one.system.tracks])
+        slack = None if made is None else slack_of_tracks_m(made, one.system.tracks)
+        offset[mine], covariance[np.ix_(mine, mine)], pulled = _joined(one.solution.offset_m, blurred, member, _tie_rows(ties, mine), slack)
         place[:, list(one.system.axes)] = solve(one.system, pulled).position_m
     cross = planes.axis[:, None] != planes.axis[None, :]
     covariance[cross] = 0.0
@@ -71,14 +77,21 @@ def _tie_rows(ties: DistanceTies | None, mine: Array) -> _TieRows:
     return _TieRows(kept.matrix(int(mine.max()) + 1)[:, mine], kept.length_m, kept.sigma_m**2, ties.scale_sigma)
 
 
-def _joined(offset_m: Array, blurred: Array, member: Array, ties: _TieRows) -> tuple[Array, Array, Array]:
-    """Generalised least squares of `offset = G plane + error`, covariance `blurred` Q: planes, theirs, `Q^-1 (G plane - offset)`."""
+def _joined(offset_m: Array, blurred: Array, member: Array, ties: _TieRows, slack_m: Array | None) -> tuple[Array, Array, Array]:
+    """Generalised least squares of `offset = G plane + error`, covariance `blurred` Q: planes, theirs, pull of the tracks.
+
+    The pull is `Q^-1 (G plane - offset)`. The planes take every merge for right; their covariance has in it how they would move
+    by the slack `slack_m (D, T)` of the doubtful ones.
+    """
     G = np.zeros((len(member), ties.H.shape[1]))
     G[np.arange(len(member)), member] = 1.0
     factor = cho_factor(blurred, lower=True, overwrite_a=True)
     heavy = cho_solve(factor, G)
     covariance = np.linalg.inv(G.T @ heavy)
     plane = covariance @ (heavy.T @ offset_m)
+    if slack_m is not None:
+        moved = covariance @ (heavy.T @ slack_m.T)
+        covariance = covariance + moved @ moved.T
     plane, covariance = _tied(plane, covariance, ties)
     return plane, covariance, np.asarray(cho_solve(factor, G @ plane - offset_m))
 

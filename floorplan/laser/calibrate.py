@@ -84,7 +84,7 @@ def calibrate(graph: LayoutGraph, merged: MergeResult, plain: LayoutSolution, sp
     scale = _common_scale(question.only(np.flatnonzero(used)))
     believed, scale_sigma = (scale.value, scale.sigma) if scale is not None else (1.0, 0.0)
     rows = replace(ties.only(used), scale_sigma=scale_sigma)
-    solved = weighted_resolve(scaled_graph(graph, believed), merged.plane_of_track, merged.noise, ties=rows)
+    solved = weighted_resolve(scaled_graph(graph, believed), merged.plane_of_track, merged.noise, ties=rows, made=merged.made)
     left = replace(accuracy, scale_sigma=accuracy.scale_sigma if scale is None else 0.0)  # the tape's own scale_sigma is in there
     solved = with_range_errors(solved, replace(graph, range_accuracy=left))
     after, prediction = H @ solved.plane_offset_m, _predictions(question, used)

@@ -1,6 +1,6 @@
 """The error that all rows of one track share: first from tracks that are probably one surface, then from those merged."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,90 +12,108 @@ from floorplan.model.checks import Array
 
 WELL_KNOWN_M = 0.02  # pairs whose distance odometry knows better than this speak about bias and not about drift
 WINDOW_M = 0.3  # distances looked at; beyond, two tracks are certainly two surfaces
-BIAS_GRID_M = np.array([0.0003, 0.0006, 0.001, 0.0015, 0.002, 0.003, 0.004, 0.006, 0.008, 0.010, 0.0125, 0.016, 0.02, 0.028, 0.04])
+BIAS_GRID_M = (0.0003, 0.0006, 0.001, 0.0015, 0.002, 0.003, 0.004, 0.006, 0.008, 0.010, 0.0125, 0.016, 0.02, 0.028, 0.04)
+SHARE_GRID = (0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
 SAME_GRID = np.array([0.2, 0.4, 0.6, 0.8, 0.95])  # share of the pairs that are one surface
 PRIOR_BIAS_M = 0.004  # where a scan says nothing: depth errors common to a track that indoor sensors show
+PRIOR_SHARE = 0.5  # the same view frame after frame: a quarter of the variance of one row is that of the next one too
 PRIOR_SPREAD = 1.0  # of its logarithm
+SHARE_SPREAD = 0.8  # of that logarithm: a matter of how segments are fitted, much the same for all sensors
+STARTS_M = (0.0003, 0.004)  # the mixture may have two tops: all one surface with a large bias, or some with a small one
 MOST_TRACKS = 160  # of one system asked once they are merged: a hundred of them give the bias to 7 %
 
 
-def bias_sigma_m(systems: Sequence[Planes], apart: Sequence[Pairs]) -> float:
-    """Standard deviation of the per-track bias: a mixture of "one surface" and "any distance" over near, overlapping pairs (E7).
+@dataclass(frozen=True)
+class Bias:
+    """Standard deviation of a track's bias: the root of `constant_m`^2 + (`share` times the sigma of one of its rows)^2."""
+
+    constant_m: float
+    share: float
+
+    def of(self, row_sigma_m: Array) -> Array:
+        """The standard deviation (T,) for tracks of that row sigma."""
+        return np.asarray(np.hypot(self.constant_m, self.share * row_sigma_m))
+
+
+def bias_before_merging(systems: Sequence[Planes], apart: Sequence[Pairs]) -> Bias:
+    """The per-track bias from a mixture of "one surface" and "any distance" over near, overlapping pairs (E7).
 
     `apart`, per system: pairs that single frames show at different offsets; a wall and the door set back in it say nothing about bias.
     """
-    parts = (_before_merging(planes, pairs) for planes, pairs in zip(systems, apart, strict=True))
-    return _likeliest(sum(parts, np.zeros(len(BIAS_GRID_M))))
+    parts = [_Telling(planes, pairs).log_likelihood for planes, pairs in zip(systems, apart, strict=True)]
+    return max((_climbed(parts, Bias(constant, PRIOR_SHARE)) for constant in STARTS_M), key=lambda bias: _log_posterior(parts, bias))
 
 
-def merged_bias_sigma_m(systems: Sequence[Planes], partitions: Sequence[Array], guess_m: float) -> float:
+def bias_of_merged(systems: Sequence[Planes], partitions: Sequence[Array], guess: Bias) -> Bias:
     """The same once `partitions` (T,) say which tracks are one plane: restricted likelihood of the tracks about their planes (E7b).
 
-    The planes' covariances are those without the bias. The grid is climbed from `guess_m`, one of its values.
+    The planes' covariances are those without the bias. The grid is climbed from `guess`.
     """
-    asked = [_few(planes, plane) for planes, plane in zip(systems, partitions, strict=True)]
-    at, known = int(np.argmin(np.abs(BIAS_GRID_M - guess_m))), dict[int, float]()
+    return _climbed([_Merged(planes, plane).log_likelihood for planes, plane in zip(systems, partitions, strict=True)], guess)
+
+
+def _log_posterior(parts: Sequence[Callable[[Bias], float]], bias: Bias) -> float:
+    prior = (np.log(bias.constant_m / PRIOR_BIAS_M) / PRIOR_SPREAD) ** 2 + (np.log(bias.share / PRIOR_SHARE) / SHARE_SPREAD) ** 2
+    return sum((part(bias) for part in parts), -0.5 * float(prior))
+
+
+def _climbed(parts: Sequence[Callable[[Bias], float]], guess: Bias) -> Bias:
+    """The top of the posterior on the grid, one step at a time from `guess`."""
+    at = BIAS_GRID_M.index(guess.constant_m), SHARE_GRID.index(guess.share)
+    known = dict[tuple[int, int], float]()
     while True:
-        near = [k for k in (at, at - 1, at + 1) if 0 <= k < len(BIAS_GRID_M)]
-        for k in near:
-            if k not in known:
-                known[k] = float(_log_prior(BIAS_GRID_M[k])) + sum(_restricted(few, BIAS_GRID_M[k]) for few in asked)
+        near = [at] + [(at[0] + i, at[1] + k) for i, k in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+        near = [(i, k) for i, k in near if 0 <= i < len(BIAS_GRID_M) and 0 <= k < len(SHARE_GRID)]
+        for i, k in near:
+            if (i, k) not in known:
+                known[i, k] = _log_posterior(parts, Bias(BIAS_GRID_M[i], SHARE_GRID[k]))
         best = max(near, key=known.__getitem__)
         if best == at:
-            return float(BIAS_GRID_M[at])
+            return Bias(BIAS_GRID_M[at[0]], SHARE_GRID[at[1]])
         at = best
 
 
-@dataclass(frozen=True)
-class _Few:
-    """Some tracks of a system: their covariance and offsets (F,), `G (F, planes)` which plane each belongs to."""
+class _Telling:
+    """Pairs of one system whose distance speaks about bias."""
 
-    covariance_m2: Array
-    G: Array
-    offset_m: Array
+    def __init__(self, planes: Planes, apart: Pairs) -> None:
+        pairs = pairs_within(planes, WINDOW_M)
+        count = len(planes.tracks)
+        together = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
+        variance = pair_variance_m2(planes, pairs)
+        telling = (variance < WELL_KNOWN_M**2) & (gaps_m(planes, pairs) == 0.0) & ~together
+        self.delta_m = (planes.offset_m[pairs.first] - planes.offset_m[pairs.second])[telling]
+        self.variance_m2, self.planes = variance[telling], planes
+        self.first, self.second = pairs.first[telling], pairs.second[telling]
 
-
-def _likeliest(log_likelihood: Array) -> float:
-    return float(BIAS_GRID_M[np.argmax(log_likelihood + _log_prior(BIAS_GRID_M))])
-
-
-def _log_prior(bias_m: Array) -> Array:
-    return np.asarray(-0.5 * (np.log(bias_m / PRIOR_BIAS_M) / PRIOR_SPREAD) ** 2)
-
-
-def _before_merging(planes: Planes, apart: Pairs) -> Array:
-    pairs = pairs_within(planes, WINDOW_M)
-    count = len(planes.tracks)
-    together = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
-    variance = pair_variance_m2(planes, pairs)
-    delta = planes.offset_m[pairs.first] - planes.offset_m[pairs.second]
-    telling = (variance < WELL_KNOWN_M**2) & (gaps_m(planes, pairs) == 0.0) & ~together
-    return np.asarray(_mixture(delta[telling], variance[telling]).max(axis=1))
+    def log_likelihood(self, bias: Bias) -> float:
+        """Of the likeliest share of pairs that are one surface."""
+        each = bias.of(self.planes.row_sigma_m) ** 2
+        total = self.variance_m2 + each[self.first] + each[self.second]
+        same = np.exp(-0.5 * self.delta_m**2 / total) / np.sqrt(2 * np.pi * total)
+        return max(float(np.log(share * same + (1 - share) / (2 * WINDOW_M)).sum()) for share in SAME_GRID)
 
 
-def _mixture(delta: Array, variance: Array) -> Array:
-    table = np.zeros((len(BIAS_GRID_M), len(SAME_GRID)))
-    for i, bias in enumerate(BIAS_GRID_M):
-        total = variance + 2 * bias**2
-        same = np.exp(-0.5 * delta**2 / total) / np.sqrt(2 * np.pi * total)
-        for k, share in enumerate(SAME_GRID):
-            table[i, k] = np.log(share * same + (1 - share) / (2 * WINDOW_M)).sum()
-    return table
+class _Merged:
+    """Tracks of one system with the planes they were merged to."""
+
+    def __init__(self, planes: Planes, plane: Array) -> None:
+        few = np.arange(min(len(plane), MOST_TRACKS))
+        member = np.unique(plane[few], return_inverse=True)[1]
+        self.G = np.zeros((len(few), int(member.max(initial=-1)) + 1))
+        self.G[few, member] = 1.0
+        self.covariance_m2 = planes.covariance_m2[np.ix_(few, few)]
+        self.offset_m, self.row_sigma_m = planes.offset_m[few], planes.row_sigma_m[few]
+
+    def log_likelihood(self, bias: Bias) -> float:
+        """Of the tracks, planes integrated out."""
+        return _restricted(self.covariance_m2 + np.diag(bias.of(self.row_sigma_m) ** 2), self.G, self.offset_m)
 
 
-def _few(planes: Planes, plane: Array) -> _Few:
-    few = np.arange(min(len(plane), MOST_TRACKS))
-    member = np.unique(plane[few], return_inverse=True)[1]
-    G = np.zeros((len(few), int(member.max(initial=-1)) + 1))
-    G[few, member] = 1.0
-    return _Few(planes.covariance_m2[np.ix_(few, few)], G, planes.offset_m[few])
-
-
-def _restricted(few: _Few, bias_m: float) -> float:
+def _restricted(covariance: Array, G: Array, offset_m: Array) -> float:
     """Log likelihood of `offset = G plane + error` with the planes integrated out."""
-    covariance = few.covariance_m2 + bias_m**2 * np.eye(len(few.offset_m))
     lower = cholesky(covariance, lower=True, check_finite=False)
-    white = solve_triangular(lower, np.column_stack([few.G, few.offset_m]), lower=True, check_finite=False)
+    white = solve_triangular(lower, np.column_stack([G, offset_m]), lower=True, check_finite=False)
     inner = cholesky(white[:, :-1].T @ white[:, :-1], lower=True, check_finite=False)
     fitted = solve_triangular(inner, white[:, :-1].T @ white[:, -1], lower=True, check_finite=False)
     log_det = 2 * float(np.log(np.diag(lower)).sum() + np.log(np.diag(inner)).sum())

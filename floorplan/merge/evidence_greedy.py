@@ -32,7 +32,8 @@ class Question:
 class Decision:
     """What became of the pairs: `plane (T,)` label per plane, distance and variance of every pair when it was decided,
 
-    `open` pairs still waiting (positive score, put off); `log_evidence` sum of the scores of the merges made.
+    `open` pairs still waiting (positive score, put off); `log_evidence` sum of the scores of the merges made; `made` rows of the
+    pairs that were merged, in that order, the others being what followed; `made_odds` their scores then.
     """
 
     plane: Array
@@ -40,6 +41,8 @@ class Decision:
     variance_m2: Array
     open: Array
     log_evidence: float
+    made: Array
+    made_odds: Array
 
 
 def decide(question: Question, covariance: Array) -> Decision:
@@ -53,14 +56,18 @@ def decide(question: Question, covariance: Array) -> Decision:
     )  # fmt: skip
     final = Live(*(values.copy() for values in live))
     joint = Joint(np.ascontiguousarray(covariance), np.empty((PENDING, planes)), np.arange(planes), np.zeros(planes))
-    component, log_evidence = _merge_all(live, final, joint, np.array(MARGINS))
-    return Decision(component, final.delta, final.var, final.waiting, log_evidence)
+    made, made_odds = np.empty(planes, np.int64), np.empty(planes)
+    component, merges = _merge_all(live, final, joint, np.array(MARGINS), made, made_odds)
+    return Decision(component, final.delta, final.var, final.waiting, float(made_odds[:merges].sum()), made[:merges], made_odds[:merges])
 
 
 @compiled
-def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[Array, float]:
-    """Merge until nothing is left to decide; `final` gets what became of every pair. Gives back the component of every plane."""
-    count, asked, r, level, moved, log_evidence = len(live.first), len(live.first), 0, 0, False, 0.0
+def _merge_all(live: Live, final: Live, joint: Joint, margins: Array, made: Array, made_odds: Array) -> tuple[Array, int]:
+    """Merge until nothing is left to decide; `final` gets what became of every pair, `made` and `made_odds` the merges.
+
+    Gives back the component of every plane and how many merges there were.
+    """
+    count, asked, r, level, moved, merges = len(live.first), len(live.first), 0, 0, False, 0
     seat, unit = np.full(len(joint.P), -1), np.empty(len(joint.P))
     score_all(live, count)
     while level < len(margins):
@@ -75,7 +82,8 @@ def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[A
             live.open_top[:] = live.top
             continue
         moved, before = True, (live.odds[chosen], live.delta[chosen], live.var[chosen])
-        log_evidence += before[0]
+        made[merges], made_odds[merges] = live.origin[chosen], before[0]
+        merges += 1
         asked -= _merge(live, count, joint, unit, chosen, seat)
         live.delta[chosen], live.var[chosen] = before[1], before[2]
         joint.U[r] = unit
@@ -88,7 +96,7 @@ def _merge_all(live: Live, final: Live, joint: Joint, margins: Array) -> tuple[A
             for k in range(count):
                 live.first[k], live.second[k] = number[live.first[k]], number[live.second[k]]
     _closed_up(live, final, count)
-    return joint.component, log_evidence
+    return joint.component, merges
 
 
 @compiled

@@ -11,6 +11,7 @@ from floorplan.model.graph import LayoutGraph
 UP = 2  # the axis of floors and ceilings
 GATE_SIGMAS = 6.0  # pairs further apart than this are no question even after drift is corrected
 APART_SIGMAS = 5.0  # of the mean difference of two planes in the frames that saw both: one false bar keeps two whole components apart
+APART_BIAS_M = 0.0015  # and the least bias taken for granted then: a millimetre less makes one false bar in a thousand pairs
 LIKENESS_NEAR, LIKENESS_FAR = 2.0, -1.5  # log odds beyond chance: surfaces that continue each other; at opposite ends of a building
 LIKENESS_FLOORS_FAR = 1.0  # two floors anywhere: a storey has one level more often than not
 LIKENESS_OVERLAP = 2.0  # more where one covers the other: a surface hides what is a few centimetres behind it
@@ -18,12 +19,16 @@ GAP_DECAY_M = 3.0  # a doorway or a short unseen stretch leaves a wall likely to
 SHORTEST_M = 0.1  # no wall piece is shorter
 BUILDING_MARGIN_M = 1.0  # a group of one offset spans about a corridor's half width
 STOREY_MARGIN_M = 2.5  # and of one height a storey
+NEAR_M = 0.2  # walls on one line and ceilings of one storey differ by a partition's thickness or a plank
+DISTINCT_M, DISTINCT_SIGMAS = 0.02, 3.0  # two planes nearer than either may have been taken for one
 GAP_SLACK_SIGMAS = 2.0  # extents drift as much as offsets do
 
 
 @dataclass(frozen=True)
 class Planes:
-    """The planes of one system: `tracks (T,)`, `offset_m (T,)`, `covariance_m2 (T, T)`, boxes (T, 3, 2) at solved positions."""
+    """The planes of one system: `tracks (T,)`, `offset_m (T,)`, `covariance_m2 (T, T)`, boxes (T, 3, 2) at solved positions;
+
+    `row_sigma_m (T,)` of one row of each."""
 
     tracks: Array
     axis: Array
@@ -31,6 +36,7 @@ class Planes:
     offset_m: Array
     covariance_m2: Array
     extent_m: Array
+    row_sigma_m: Array
 
 
 def gated_pairs(planes: Planes) -> Pairs:
@@ -96,20 +102,41 @@ def log_prior(planes: Planes, pairs: Pairs, variance_m2: Array, plane: Array | N
 
 
 def _planes_per_metre(planes: Planes, plane: Array | None) -> Array:
-    """Per plane, how many distinct planes of its axis and facing there are per metre of the building."""
+    """Per plane, how many distinct planes of its axis and facing there are per metre of the building, near another one."""
     density = np.ones(len(planes.tracks))
     group = planes.axis * 2 + (planes.facing > 0)
     for label in np.unique(group):
         mine = np.flatnonzero(group == label)
         mine = mine[np.argsort(planes.offset_m[mine])]
         offset, sigma = planes.offset_m[mine], np.sqrt(np.diag(planes.covariance_m2)[mine])
-        distinct = 1 + int((np.diff(offset) > np.minimum(sigma[1:], sigma[:-1])).sum()) if plane is None else len(np.unique(plane[mine]))
-        density[mine] = distinct / (np.ptp(offset) + (STOREY_MARGIN_M if planes.axis[mine[0]] == UP else BUILDING_MARGIN_M))
+        length = np.ptp(offset) + (STOREY_MARGIN_M if planes.axis[mine[0]] == UP else BUILDING_MARGIN_M)
+        if plane is None:
+            density[mine] = (1 + int((np.diff(offset) > np.minimum(sigma[1:], sigma[:-1])).sum())) / length
+        else:
+            density[mine] = len(np.unique(plane[mine])) / length * _clustering(planes, mine, plane, float(length))
     return density
 
 
-def seen_apart(graph: LayoutGraph, sigma_m: Array, bias_m: float, planes: Planes) -> Pairs:
-    """Pairs of columns that some frames saw together, and clearly at different offsets (cannot be one plane)."""
+def _clustering(planes: Planes, mine: Array, plane: Array, length_m: float) -> float:
+    """How many times more often two distinct planes lie NEAR_M or less apart than if they were strewn over `length_m`; at least 1.
+
+    Ceilings of one storey and walls along one corridor keep nearly the same line. Counted are pairs whose distance is surely not
+    zero; where drift hides that, a pair tells nothing. One pair more than there are, and one more than chance would make: few
+    planes show no habit.
+    """
+    first = mine[np.unique(plane[mine], return_index=True)[1]]
+    offset, variance = planes.offset_m[first], np.diag(planes.covariance_m2)[first]
+    joint = variance[:, None] + variance[None, :] - 2 * planes.covariance_m2[np.ix_(first, first)]
+    upper = np.triu_indices(len(first), 1)
+    surely = np.maximum(DISTINCT_M, DISTINCT_SIGMAS * np.sqrt(np.maximum(joint[upper], 0.0)))
+    apart = np.abs(offset[:, None] - offset[None, :])[upper]
+    found = int(((apart > surely) & (apart < NEAR_M)).sum())
+    by_chance = float(np.maximum(NEAR_M - surely, 0.0).sum()) * 2.0 / length_m
+    return max(1.0, (found + 1.0) / (by_chance + 1.0))
+
+
+def seen_apart(graph: LayoutGraph, sigma_m: Array, bias_m: Array, planes: Planes) -> Pairs:
+    """Pairs of columns that some frames saw together, and clearly at different offsets (cannot be one plane); `bias_m (T,)` of each."""
     column = np.full(len(graph.axis), -1)
     column[planes.tracks] = np.arange(len(planes.tracks))
     rows = np.flatnonzero((column[graph.track] >= 0) & np.isfinite(sigma_m))
@@ -126,7 +153,9 @@ def seen_apart(graph: LayoutGraph, sigma_m: Array, bias_m: float, planes: Planes
     name, index = np.unique(a * len(planes.tracks) + b, return_inverse=True)
     total = np.bincount(index, weight, len(name))
     mean = np.bincount(index, weight * difference, len(name)) / np.maximum(total, 1e-12)
-    apart = (np.abs(mean) > APART_SIGMAS * np.sqrt(1.0 / np.maximum(total, 1e-12) + 2 * bias_m**2)) & (name % (len(planes.tracks) + 1) != 0)
+    bias_m = np.maximum(bias_m, APART_BIAS_M)
+    both_m2 = bias_m[name // len(planes.tracks)] ** 2 + bias_m[name % len(planes.tracks)] ** 2
+    apart = (np.abs(mean) > APART_SIGMAS * np.sqrt(1.0 / np.maximum(total, 1e-12) + both_m2)) & (name % (len(planes.tracks) + 1) != 0)
     return Pairs(name[apart] // len(planes.tracks), name[apart] % len(planes.tracks))
 
 

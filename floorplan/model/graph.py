@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from floorplan.model.checks import Array, freeze
+from floorplan.model.merges_made import MergesMade
 from floorplan.model.noise import ScanNoise
 from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration
@@ -141,7 +142,7 @@ class MergeResult:
     `plane_of_track (M,)` component of each track under the accepted hypotheses. `track_offset_m (M,)` and
     `position_m (N, 3)`: the L1 solution before thresholding (`paper`), or the solution at the decision.
     `objective` `||E xi||_1`, `delta_m` radius of the ball, `residual_m` `||A xi - b||_2` there. `noise` is what the decisions
-    and the re-solve weight their rows with; None: unweighted.
+    and the re-solve weight their rows with; None: unweighted. `made`: every merge with its odds, None where the method has none.
     """
 
     method: str
@@ -153,6 +154,7 @@ class MergeResult:
     delta_m: float
     residual_m: float
     noise: ScanNoise | None = None
+    made: MergesMade | None = None
 
     def __post_init__(self) -> None:
         freeze(

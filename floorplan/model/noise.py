@@ -37,7 +37,8 @@ class ScanNoise:
     """Noise of one layout graph with K rows.
 
     `sigma_m (K,)` effective standard deviation of every measurement (down-weighted rows have a larger one, rejected
-    rows infinity); `bias_sigma_m` error that all rows of one track share; `drift` of x and y, `vertical` of z;
+    rows infinity); `bias_sigma_m` error that all rows of one track share, `bias_share` the part of the sigma of its rows that
+    is in it besides; `drift` of x and y, `vertical` of z;
     `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more. `step_m (N-1, 3)` the steps as last
     solved, of which scale and sideways rates are parts; None: none solved yet, odometry's own serve.
     """
@@ -49,6 +50,7 @@ class ScanNoise:
     flipped: int = 0
     outliers: int = 0
     step_m: Array | None = None
+    bias_share: float = 0.0
 
     def __post_init__(self) -> None:
         freeze(self, {"sigma_m": (np.float64, ("K",)), "step_m": (np.float64, ("T", 3))})

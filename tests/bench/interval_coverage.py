@@ -122,8 +122,8 @@ def coverage(scan: Path, work: Path, exact_sensor: bool = False) -> str:
         for name, some in kinds
         if some.any()
     ]
-    bias_m = merged.noise.bias_sigma_m if merged.noise else 0.0
-    return f"{work.name}: planes {known.sum()} of {len(known)}; {'; '.join(parts)}; bias {bias_m:.4f}"
+    bias_m, share = (merged.noise.bias_sigma_m, merged.noise.bias_share) if merged.noise else (0.0, 0.0)
+    return f"{work.name}: planes {known.sum()} of {len(known)}; {'; '.join(parts)}; bias {bias_m:.4f} share {share:.2f}"
 
 
 def main() -> None:

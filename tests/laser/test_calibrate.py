@@ -99,8 +99,8 @@ def test_a_tie_is_a_row_of_the_least_squares() -> None:
     span = spans_of(plain, 1.0)[0]
     assert merged.noise is not None
     loose, firm = (
-        weighted_resolve(graph, merged.plane_of_track, merged.noise, ties=DistanceTies([span.lower], [span.upper], [12.1], [sigma]))
-        for sigma in (1e3, 1e-6)
+        weighted_resolve(graph, merged.plane_of_track, merged.noise, ties=ties, made=merged.made)
+        for ties in (DistanceTies([span.lower], [span.upper], [12.1], [sigma]) for sigma in (1e3, 1e-6))
     )
     np.testing.assert_allclose(loose.plane_offset_m, plain.plane_offset_m, atol=1e-6)
     np.testing.assert_allclose(loose.position_m, plain.position_m, atol=1e-6)

@@ -15,7 +15,7 @@ def two_far_and_one_beside(axis: int, facing: int) -> Planes:
     extent[1, along] = 1.0, 2.0
     extent[2, along] = 61.0, 62.0
     same = np.zeros(3)
-    return Planes(np.arange(3), np.full(3, axis), np.full(3, facing), same, 0.01 * np.eye(3), extent)
+    return Planes(np.arange(3), np.full(3, axis), np.full(3, facing), same, 0.01 * np.eye(3), extent, np.full(3, 0.01))
 
 
 def priors(axis: int, facing: int) -> tuple[float, float]:
@@ -29,3 +29,27 @@ def test_walls_at_opposite_ends_are_unlikely_one_and_floors_likely() -> None:
     assert 0.9 < floor[0] - floor[1] < 1.1
     assert ceiling[0] - ceiling[1] == pytest.approx(wall[0] - wall[1])
     assert floor[1] > 1.0 > wall[1]
+
+
+def strewn(offset_m: np.ndarray, sigma_m: float) -> Planes:
+    """Ceilings at these heights, 1 m apart from each other in plan, every one its own plane."""
+    count = len(offset_m)
+    extent = np.stack((np.zeros((count, 3)), np.ones((count, 3))), axis=2)
+    same = np.full(count, 2), np.full(count, -1)
+    return Planes(np.arange(count), *same, offset_m, sigma_m**2 * np.eye(count), extent, np.full(count, 0.01))
+
+
+def test_where_planes_keep_nearly_one_line_a_coincidence_costs_more() -> None:
+    rng = np.random.default_rng(3)
+    clustered, strewn_m = 2.5 + 0.1 * rng.standard_normal(30), rng.uniform(0.0, 30.0, 30)
+    clustered[-1] = 12.0
+    pair = Pairs(np.array([0]), np.array([1]))
+    costs = []
+    for offset, sigma in ((clustered, 0.001), (clustered, 0.2), (strewn_m, 0.001)):
+        planes = strewn(offset, sigma)
+        uniform = 30 / (np.ptp(offset) + 2.5)
+        likeness = log_prior(strewn(np.zeros(30), sigma), pair, np.full(1, 1e-4), np.zeros(30)) + np.log(1 / 2.5)
+        costs.append(float(likeness[0] - log_prior(planes, pair, np.full(1, 1e-4), np.arange(30))[0] - np.log(uniform)))
+    assert 1.5 < costs[0] < 4.0
+    assert costs[1] == pytest.approx(0.0, abs=0.01)
+    assert costs[2] == pytest.approx(0.0, abs=0.5)
