@@ -93,7 +93,7 @@ def opened_work(job: Job, owner: Owner, reporter: Reporter) -> Iterator[WorkFold
     claim(job.work, owner)
     with locked(job.work) as left_behind:
         if left_behind is not None:
-            reporter.message(f"a build that ended early ({left_behind}) left this folder; going on from there")
+            reporter.message(f"a build that ended early ({left_behind}) left this folder; what it finished is used")
         with kept_config(job.work, job.config):
             work = WorkFolder(job.work, owner, job.config, job.redo_from, job.until, reporter)
             work.forget_redone()

@@ -44,9 +44,10 @@ def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: 
     owner = read_owner(work)
     results = read_results(work)
     results = replace(results, plan=on_site(results.plan, config.site))
-    for state in stages_status(work, config, current_owner(owner, work)):
-        if state.state is StageState.STALE:
-            reporter.message(f"note: {state.folder} is stale ({'; '.join(state.reasons)}); 'floorplan build' would make it again")
+    stale = [state for state in stages_status(work, config, current_owner(owner, work)) if state.state is StageState.STALE]
+    if stale:
+        first, more = stale[0], "" if len(stale) == 1 else f", and {len(stale) - 1} more stages"
+        reporter.message(f"note: {first.folder} is stale ({'; '.join(first.reasons)}){more}; 'floorplan build' would make them again")
     scan = Path(owner.scan)
     table = summary(results, trajectories(results), scan, work, config)
     return Exported(write_drawings(results, table, scan, drawings, config, reporter), results.plan)
@@ -77,7 +78,8 @@ def read_advice(work: Path, states: tuple[StageStatus, ...]) -> tuple[Advice, ..
     if len(kept) == len(STAGES):
         return survey_advice(read_results(work))
     if INGEST.folder in kept:
-        return recording_advice(finished(work, INGEST, IngestedScan).recording)
+        scan = finished(work, INGEST, IngestedScan)
+        return () if scan.parts else recording_advice(scan.recording)
     return ()
 
 

@@ -98,7 +98,7 @@ def _read_arrays(path: Path) -> dict[str, Array]:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
     except (OSError, ValueError, zipfile.BadZipFile, AttributeError) as error:
-        raise InputError(f"{path}: not a layout graph (.npz without pickles): {error}") from error
+        raise InputError(f"{path}: not a layout graph (a .npz file, as 'floorplan export WORK --graph F.npz' writes it)") from error
     missing = [name for name in _SHAPES if name not in arrays]
     if missing:
         raise InputError(

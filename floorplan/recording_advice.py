@@ -50,7 +50,7 @@ def _gap_advice(motion: Motion) -> Advice | None:
     if not gaps.any():
         return None
     longest_s, walked_m = float(motion.seconds[gaps].max()), float(motion.moved_m[gaps].sum())
-    lost = f"{int(gaps.sum())} gaps of up to {longest_s:.1f} s, {walked_m:.1f} m walked unseen"
+    lost = f"{int(gaps.sum())} gap{'s' if gaps.sum() > 1 else ''} of up to {longest_s:.1f} s, {walked_m:.1f} m walked unseen"
     return Advice("gaps", lost, "close other programs while recording; walk those places again")
 
 
@@ -60,7 +60,8 @@ def _turn_advice(recording: Recording, motion: Motion) -> Advice | None:
     if not lost.any():
         return None
     fastest = math.degrees(float((motion.turned_rad[lost] / motion.seconds[lost]).max()))
-    fact = f"{int(lost.sum())} turns of up to {fastest:.0f} degrees a second leave less than half of the view in common"
+    turns = "1 turn" if lost.sum() == 1 else f"{int(lost.sum())} turns"
+    fact = f"{turns} of up to {fastest:.0f} degrees a second with less than half of the view in common"
     return Advice("turns", fact, "turn more slowly")
 
 

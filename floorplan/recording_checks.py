@@ -106,5 +106,5 @@ def _at(recording: Recording, affected: Array, problem: Problem) -> Problem | No
     """The problem with its first place and its count, None when no step (N-1,) is affected."""
     if not affected.any():
         return None
-    where = f"after {recording.stamp_ns[int(np.argmax(affected))] * 1e-9:.6f} s"
+    where = f"{recording.stamp_ns[int(np.argmax(affected))] * 1e-9:.3f} s"
     return replace(problem, where=where, count=int(affected.sum()))

@@ -50,7 +50,13 @@ class Reporter(Protocol):
 def tell_problems(reporter: Reporter, problems: "Iterable[Problem]") -> None:
     """One line per kind of bad data: what, how often, where first, what to do."""
     for p in problems:
-        reporter.message(f"note: {p.code}: {p.message} ({p.count}x, first: {p.where}); {p.advice}")
+        reporter.message(f"note: {problem_words(p)}")
+
+
+def problem_words(problem: "Problem") -> str:
+    """The kind of bad data as a sentence; the whole recording's has neither place nor count."""
+    times = f" ({problem.count}x, first: {problem.where})" if problem.where else f" ({problem.count}x)" if problem.count > 1 else ""
+    return f"{problem.code}: {problem.message}{times}; {problem.advice}"
 
 
 class SilentReporter:

@@ -21,7 +21,8 @@ SIDES = (("left", "right"), ("lower", "upper"))  # of the drawing, by the end of
 def survey_advice(results: Results) -> tuple[Advice, ...]:
     """The walk's faults, then the plan's, by what they cost."""
     plan = results.plan
-    found = [*recording_advice(results.scan.recording), _blind(results), _weak_walls(plan), _inferred(plan), _wide(plan)]
+    walk = () if results.scan.parts else recording_advice(results.scan.recording)  # of scans joined, each folder has its own
+    found = [*walk, _blind(results), _weak_walls(plan), _inferred(plan), _wide(plan)]
     found += [_unvisited(plan), *range_advice(results.layout.range_bias)]
     return tuple(one for one in found if one is not None)
 

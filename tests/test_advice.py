@@ -72,7 +72,7 @@ def test_a_gap_is_told_with_its_length_and_the_way_lost() -> None:
     )
     (one,) = recording_advice(gapped, 0.9)
     assert one.code == "gaps"
-    assert "1 gaps of up to 4.1 s" in one.fact
+    assert "1 gap of up to 4.1 s" in one.fact
 
 
 def test_the_speed_is_that_of_the_walk() -> None:

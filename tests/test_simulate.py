@@ -17,6 +17,7 @@ from floorplan.simulate.odometry import drifting_odometry
 from floorplan.simulate.presets import PRESETS
 from floorplan.simulate.route import BODY_RADIUS_M, clearance_m, walkable
 from floorplan.simulate.scene import draw_scene
+from floorplan.simulate.works import NO_PARTITION
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -132,3 +133,9 @@ def test_the_bundled_flat_is_the_one_its_command_makes() -> None:
     assert truth["trajectory"]["stamp_ns"] == walk.stamp_ns.tolist()
     assert len(list((folder / "depth").iterdir())) == len(walk)
     assert sum(file.stat().st_size for file in (folder / "depth").iterdir()) < 8_000_000
+
+
+def test_works_that_have_no_place_are_told() -> None:
+    assert draw_scene("flat", 1, works=True).left_out == (NO_PARTITION,)
+    assert draw_scene("office", 1, works=True).left_out == ()
+    assert draw_scene("flat", 1).left_out == ()

@@ -128,7 +128,9 @@ def _kept_words(work: Path) -> str:
 
     kept = [stage.folder for stage in STAGES if (work / stage.folder).is_dir()]
     kept += [f"part of {stage.folder}" for stage in STAGES if (work / partial_name(stage)).is_dir()]
-    return f"interrupted; {work} keeps {', '.join(kept) or 'no stage yet'}. Give the same command again to go on from there."
+    if not kept:
+        return f"interrupted; {work} keeps no stage yet: {STAGES[0].folder} is kept when it is whole. The same command begins it anew."
+    return f"interrupted; {work} keeps {', '.join(kept)}. Give the same command again to go on from there."
 
 
 def _print_numbers(job: "Job", results: "Results") -> None:

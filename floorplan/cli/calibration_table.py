@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from floorplan.cli.console import echo, echo_table
+from floorplan.cli.console import echo, echo_table, whole_mm
 from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def print_calibration(calibration: "Calibration") -> None:
             f"{row.before_m:.3f}",
             f"{row.after_m:.3f}",
             f"{row.predicted_m:.3f} +-{NORMAL_95 * row.predicted_sigma_m:.3f}",
-            f"{1000 * (row.predicted_m - row.measured_m):+.0f} mm" + ("" if row.used else ", left out"),
+            whole_mm(row.predicted_m - row.measured_m) + ("" if row.used else ", left out"),
         )
         for row in calibration.rows
     ]

@@ -3,12 +3,12 @@
 import csv
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from floorplan.cli import options as o
-from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.cli.console import ConsoleReporter, counted, echo, echo_json, echo_table, whole_mm
 from floorplan.errors import InputError
 from floorplan.model.normal import NORMAL_95
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from floorplan.laser.compare import Check
 
 BY_HAND = ("Edited by hand", "Edit not applied")  # how notes about corrections by hand begin
+TABLE_DECIMALS = 4  # of metres and per cent in the CSV table: no meter says more
 HEADER = ("id", "measured", "plan", "difference", "%", "95 %", "level", "room")
 
 
@@ -53,6 +54,8 @@ def check(
         print_check(result)
         for note in by_hand:
             echo(f"note: {note}")
+    if not result.rows and not result.bad:
+        raise InputError(f"{laser}: measured_m is empty in all of its {result.empty} rows; measure on site, and write the metres there")
     if not result.rows:
         raise InputError(f"{laser}: none of its {len(result.bad) + result.empty} rows can be compared with the plan")
     if bound is not None:
@@ -66,7 +69,7 @@ def print_check(result: "Check") -> None:
             row.id,
             f"{row.measured_m:.3f} m",
             f"{row.plan_m:.3f} m +-{NORMAL_95 * row.sigma_m:.3f}",
-            f"{1000 * row.difference_m:+.0f} mm",
+            whole_mm(row.difference_m),
             f"{row.percent:+.2f}",
             "within" if row.within else "OUTSIDE",
             "calibrated with" if row.calibrated else row.level,
@@ -79,8 +82,8 @@ def print_check(result: "Check") -> None:
     if result.mean_m is None or result.worst_m is None or result.share_within is None:
         return
     echo()
-    left_out = f", {len(result.bad)} rows could not be compared" if result.bad else ""
-    echo(f"{len(rows)} distances{left_out}")
+    left_out = f", {counted(len(result.bad), 'row')} could not be compared" if result.bad else ""
+    echo(f"{counted(len(rows), 'distance')}{left_out}")
     if result.calibrated:
         others = len(rows) - result.calibrated
         rest = f"the numbers below are of the other {others}" if others else "so these numbers prove nothing: measure others"
@@ -91,12 +94,17 @@ def print_check(result: "Check") -> None:
     echo(f"level of accuracy at 95 % (USIBD): {result.level}")
 
 
+def _rounded(row: dict[str, Any]) -> dict[str, Any]:
+    """The row with tenths of millimetres."""
+    return {name: f"{value:.{TABLE_DECIMALS}f}" if isinstance(value, float) else value for name, value in row.items()}
+
+
 def write_check_csv(result: "Check", path: Path) -> None:
     """The rows as CSV. Raises InputError where the file cannot be written."""
     try:
         with path.open("w", encoding="utf-8", newline="") as stream:
             writer = csv.DictWriter(stream, [f.name for f in fields(result.rows[0])] if result.rows else ["id"], lineterminator="\n")
             writer.writeheader()
-            writer.writerows(asdict(row) for row in result.rows)
+            writer.writerows(_rounded(asdict(row)) for row in result.rows)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); name a file in a folder that exists") from error

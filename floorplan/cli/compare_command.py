@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from floorplan.compare import Comparison
     from floorplan.compare.changes import WallPiece
     from floorplan.compare.differences import Repeatability
+    from floorplan.compare.openings import OpeningChange
 
 FirstWork = Annotated[Path, typer.Argument(metavar="WORK_A", help="The work folder of the first survey.", show_default=False)]
 SecondWork = Annotated[Path, typer.Argument(metavar="WORK_B", help="The work folder of the second survey.", show_default=False)]
@@ -58,7 +59,8 @@ def comparison_tree(comparison: "Comparison") -> dict[str, Any]:
     tree = {f.name: getattr(comparison, f.name) for f in fields(comparison) if f.name not in ("second_plan", "alignment")}
     values = {name: _plain(value) for name, value in tree.items()}
     laid = comparison.alignment
-    alignment = {"quarters": laid.quarters, "shift_m": laid.shift_m.tolist(), "matched_m": laid.matched_m, "ambiguous": laid.ambiguous}
+    alignment = {"quarters": laid.quarters, "shift_m": laid.shift_m.tolist(), "ambiguous": laid.ambiguous}
+    alignment |= {"matched_m": laid.matched_m, "share": laid.share, "warnings": alignment_warnings(comparison)}
     return {**values, "alignment": alignment, "changed": comparison.changed}
 
 
@@ -75,6 +77,8 @@ def print_comparison(comparison: "Comparison") -> None:
     echo(f"second laid on first: {laid.quarters} quarter turns, {where}; {laid.matched_m:.1f} m of wall on wall")
     if laid.ambiguous:
         echo("note: the floor looks nearly alike from another side; make sure that this is the right way round")
+    for warning in alignment_warnings(comparison):
+        typer.echo(f"warning: {warning}", err=True)
     _print_walls(comparison)
     _print_openings(comparison)
     moved = [d for d in comparison.distances if d.moved]
@@ -112,13 +116,36 @@ def _print_openings(comparison: "Comparison") -> None:
             (
                 o.first or "-",
                 o.second or "-",
-                o.state.value,
+                opening_words(o),
                 f"{1000 * o.moved_m:+.0f} +-{1000 * o.moved_interval_m:.0f} mm along",
                 f"{1000 * o.width_difference_m:+.0f} +-{1000 * o.width_interval_m:.0f} mm wide",
             )
             for o in moved
         ],
     )
+
+
+def alignment_warnings(comparison: "Comparison") -> tuple[str, ...]:
+    """Where little speaks for the alignment, and so for all that rests on it."""
+    laid, found = comparison.alignment, []
+    if not laid.sure:
+        found.append(
+            f"only {100 * laid.share:.0f} % of the smaller survey's wall lies on the other's: are these of one floor? "
+            "If not, all numbers below are chance"
+        )
+    if comparison.unseen_m > laid.matched_m:
+        found.append(
+            f"{comparison.unseen_m:.1f} m of wall were in view of one survey only, more than the {laid.matched_m:.1f} m that both have: "
+            "the agreement below is that of a small part"
+        )
+    return tuple(found)
+
+
+def opening_words(opening: "OpeningChange") -> str:
+    """`moved`, or what became of what: `window, now door`."""
+    if opening.first_kind and opening.second_kind and opening.first_kind != opening.second_kind:
+        return f"{opening.state.value}: {opening.first_kind}, now {opening.second_kind}"
+    return opening.state.value
 
 
 def _listed(title: str, rows: Sequence[tuple[str, ...]]) -> None:

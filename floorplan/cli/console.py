@@ -25,6 +25,17 @@ def echo(text: str = "", stream: TextIO | None = None) -> None:
         raise typer.Exit(READER_GONE) from None
 
 
+def counted(count: int, name: str) -> str:
+    """`1 row`, `2 rows`."""
+    return f"{count} {name}{'' if count == 1 else 's'}"
+
+
+def whole_mm(length_m: float) -> str:
+    """`+3 mm`, `-12 mm`, and `0 mm` without a sign."""
+    rounded = round(1000 * length_m)
+    return f"{rounded:+d} mm" if rounded else "0 mm"
+
+
 def echo_json(tree: Any) -> None:
     """A JSON tree on stdout."""
     echo(json.dumps(tree, indent=2, ensure_ascii=False))

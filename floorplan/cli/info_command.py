@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from floorplan.cli import options as o
 from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.reporting import problem_words
 
 if TYPE_CHECKING:
     from floorplan.inspection import Inspection
@@ -75,7 +76,7 @@ def _print_facts(facts: "Inspection") -> None:
     echo_table(rows)
     for problem in facts.problems:
         grade = "stops the build" if problem.fatal else "note"
-        echo(f"{grade}: {problem.code}: {problem.message} ({problem.count}x, first: {problem.where}); {problem.advice}")
+        echo(f"{grade}: {problem_words(problem)}")
     for one in facts.advice:
         echo(f"better: {one}")
     if not facts.problems and not facts.advice:

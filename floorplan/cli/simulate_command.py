@@ -30,7 +30,7 @@ def simulate(
     from floorplan.simulate import simulate as run
     from floorplan.simulate.walk_part import walk_part
 
-    run(
+    left_out = run(
         out,
         preset,
         seed,
@@ -47,4 +47,6 @@ def simulate(
         walk_part=walk_part(part),
         progress=ConsoleReporter(quiet).progress("simulate"),
     )
+    for words in left_out:
+        ConsoleReporter(quiet).message(f"note: {words}")
     echo(str(out))

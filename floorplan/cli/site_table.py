@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from floorplan.cli.console import echo, echo_table
+from floorplan.cli.console import echo, echo_table, whole_mm
 from floorplan.model.normal import NORMAL_95
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def print_site(site: "Site") -> None:
             (
                 point.name,
                 *(f"{value:.3f}" for value in (*point.plan, *point.site)),
-                *(f"{1000 * value:+.0f} mm" for value in point.residual_m),
+                *(whole_mm(value) for value in point.residual_m),
                 "corner" if point.snapped else "",
             )
             for point in site.points

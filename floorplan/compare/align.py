@@ -17,6 +17,8 @@ BIN_M = 0.10  # of the votes for a shift: surveys of one floor differ by centime
 CANDIDATES = 16  # shifts tried per axis
 ON_WALL_M = 0.15  # faces this near lie on each other
 MIN_SHARE = 0.3  # of the smaller survey's wall length: less is another floor, or hardly the same part of it
+SURE_SHARE = 0.5  # from here on no other floor fits: different buildings reach 0.36 by chance, surveys of one 0.69 and more
+RIVAL_BY_CHANCE = 0.6  # below the sure share, another quarter turn that lays this much as well shows that both are chance
 AMBIGUOUS = 0.9  # another quarter turn that lays this much as well
 
 
@@ -31,6 +33,12 @@ class Alignment:
     shift_m: Array
     matched_m: float
     rival_share: float
+    share: float = 1.0  # of the smaller survey's wall that lies on the other's
+
+    @property
+    def sure(self) -> bool:
+        """Whether so much wall lies on wall that it is no chance."""
+        return self.share >= SURE_SHARE
 
     @property
     def ambiguous(self) -> bool:
@@ -53,14 +61,15 @@ def align(first: Plan, second: Plan) -> Alignment:
             tries.append(_laid(a, b, quarters))
     tries.sort(key=lambda laid: -laid.matched_m)
     least = min(float(a.length_m.sum()), float(seen_faces(second).length_m.sum()))
-    if not tries or tries[0].matched_m < MIN_SHARE * least:
+    share = tries[0].matched_m / max(least, 1e-9) if tries else 0.0
+    if share < MIN_SHARE or (share < SURE_SHARE and tries[1].matched_m > RIVAL_BY_CHANCE * tries[0].matched_m):
         matched = tries[0].matched_m if tries else 0.0
         raise InputError(
             f"the two surveys have only {matched:.1f} m of wall in common, of {least:.1f} m: they are of different floors, "
             "or of parts that hardly overlap; compare two builds of the same floor"
         )
     best = tries[0]
-    return Alignment(best.quarters, np.array([*best.shift_xy, 0.0]), best.matched_m, tries[1].matched_m / best.matched_m)
+    return Alignment(best.quarters, np.array([*best.shift_xy, 0.0]), best.matched_m, tries[1].matched_m / best.matched_m, share)
 
 
 def _laid(a: FaceRows, b: FaceRows, quarters: int) -> _Laid:

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from floorplan.compare.faces import seen_faces
 from floorplan.model.normal import NORMAL_95
-from floorplan.model.plan import Opening, Plan, Point
+from floorplan.model.plan import Opening, OpeningKind, Plan, Point
 
 SAME_PLACE_M = 0.60  # between centres: half of a door
 ACROSS_M = 0.50  # of the wall: the thickest one's half, and what walls may have moved by
@@ -16,6 +16,7 @@ CLOSED_SHARE = 0.5  # of an opening's width that the other survey saw wall in
 
 class OpeningState(StrEnum):
     SAME = "same"
+    CHANGED = "changed"  # a window that is a way through now, or the other way round
     MOVED = "moved"  # its place or its width
     CLOSED = "closed"  # wall now
     NEW = "new"  # wall then
@@ -82,6 +83,8 @@ def _change(a: Opening, b: Opening, place_sigma_m: Mapping[int, float]) -> Openi
     place = NORMAL_95 * math.hypot(width_sigma / 2, place_sigma_m[along])  # the centre is the mean of two jambs, the width their difference
     moved, wider = b.centre[along] - a.centre[along], b.width_m - a.width_m
     state = OpeningState.MOVED if abs(moved) > place or abs(wider) > NORMAL_95 * width_sigma else OpeningState.SAME
+    if (a.kind is OpeningKind.WINDOW) != (b.kind is OpeningKind.WINDOW):  # doors and passages differ by a leaf that stood open or shut
+        state = OpeningState.CHANGED
     return OpeningChange(
         state, a.id, b.id, a.kind.value, b.kind.value, b.centre, along, b.width_m, moved, place, wider, NORMAL_95 * width_sigma
     )

@@ -105,7 +105,9 @@ def _row(line: int, cells: Mapping[str, str], extra: str) -> LaserRow:
     if extra:
         raise CellError(extra)
     measured = length_m(MEASURED, cells[MEASURED])
-    if not 0 < measured <= LONGEST_M:
+    if measured > LONGEST_M:
+        raise CellError(f"{MEASURED} is {measured:g}, which no laser meter says in metres: millimetres, 1000 times as much? Give metres")
+    if measured <= 0:
         raise CellError(f"{MEASURED} is {measured:g} m, which no laser meter says; give metres")
     sigma = length_m(SIGMA, cells[SIGMA]) if cells.get(SIGMA) else None
     if sigma is not None and not 0 < sigma <= LONGEST_M:

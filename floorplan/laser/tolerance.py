@@ -34,11 +34,17 @@ def parse_tolerance(text: str) -> Tolerance:
 
 
 def enforce(check: Check, tolerance: Tolerance) -> None:
-    """Raise CheckFailedError when a compared distance is off by more."""
+    """Raise CheckFailedError when a compared distance is off by more, or a measured one could not be compared: that proves nothing."""
     beyond = [row for row in check.rows if (abs(row.percent) if tolerance.relative else abs(row.difference_m)) > tolerance.value]
     if beyond:
         worst = max(beyond, key=lambda row: abs(row.percent) if tolerance.relative else abs(row.difference_m))
         raise CheckFailedError(
             f"{len(beyond)} of {len(check.rows)} distances are off by more than {tolerance}; the worst is {worst.id}, "
             f"{1000 * worst.difference_m:+.0f} mm ({worst.percent:+.2f} %); measure it again, then look at 'floorplan merges' or rescan"
+        )
+    if check.bad:
+        lines = ", ".join(str(row.line) for row in check.bad)
+        raise CheckFailedError(
+            f"{len(check.bad)} of {len(check.bad) + len(check.rows)} measured rows could not be compared (line {lines}), so the tolerance "
+            "is not proven; mend these rows, or take them out"
         )

@@ -13,6 +13,7 @@ from floorplan.readers.carmen import CarmenReader
 from floorplan.readers.choices import Choice, recordings_in
 from floorplan.readers.clouds import CloudsReader
 from floorplan.readers.corrected import corrected
+from floorplan.readers.near_misses import near_miss
 from floorplan.readers.polycam import PolycamReader
 from floorplan.readers.record3d import Record3dReader
 from floorplan.readers.ros import RosReader
@@ -65,7 +66,8 @@ def reader_for(path: Path, format: str | None = None) -> Reader:
         listed = "\n".join(f"  {choice.path} ({choice.format})" for choice in choices)
         raise InputError(f"{path}: {len(choices)} recordings, not one:\n{listed}\nGive one of them, or several of one floor.")
     sought = "\n".join(f"  {reader.name}: {reader.looks_for}" for reader in READERS)
-    raise InputError(f"{path}: the format is not recognised. Looked for:\n{sought}\nGive the folder that holds these, or name the format.")
+    seems = " ".join(("the format is not recognised.", near_miss(path))).strip()
+    raise InputError(f"{path}: {seems} Looked for:\n{sought}\nGive the folder that holds these, or name the format.")
 
 
 def choices_in(path: Path) -> tuple[Choice, ...]:

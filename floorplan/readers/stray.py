@@ -26,7 +26,8 @@ from floorplan.readers.world_up import ARKIT_UP, down_in_sensor
 
 COLOUR_WIDTH, COLOUR_HEIGHT = 1920, 1440  # the image camera_matrix.csv belongs to
 UNITS_PER_METRE = 1000.0  # depth in millimetres
-POSE_COLUMNS = 9  # timestamp, frame, x, y, z, qx, qy, qz, qw
+POSE_NAMES = ("timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw")
+POSE_COLUMNS = len(POSE_NAMES)
 LENS_COLUMNS = 4  # fx, fy, cx, cy
 
 
@@ -52,6 +53,7 @@ class _Odometry:
     frame: tuple[str, ...]
     poses: PoseTable
     lens: Array  # (N, 4) fx, fy, cx, cy of the colour image, NaN where the file has none
+    problems: tuple[Problem, ...]
 
 
 def _open(path: Path, config: ReadConfig) -> DepthImages:
@@ -66,7 +68,14 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
     confidence, confidence_problems = _confidence_paths(path, [odometry.frame[row] for row in rows])
     paths = tuple(path / "depth" / f"{odometry.frame[row]}.png" for row in rows)
     metres_per_unit = 1.0 / (config.depth_scale or UNITS_PER_METRE)
-    problems = usable.problems + files.problems + confidence_problems + depth_unit_problems(paths, metres_per_unit)
+    problems = (
+        odometry.problems
+        + _unposed(path / "depth", odometry.frame)
+        + usable.problems
+        + files.problems
+        + confidence_problems
+        + depth_unit_problems(paths, metres_per_unit)
+    )
     return DepthImages(
         recording=_recording(path, poses, _sensor(files, lens), problems),
         depth_paths=paths,
@@ -79,14 +88,37 @@ def _open(path: Path, config: ReadConfig) -> DepthImages:
 
 def _odometry(path: Path) -> _Odometry:
     """Rows of odometry.csv, old or new version; short rows are NaN."""
-    rows = [[cell.strip() for cell in line.split(",")] for line in text_lines(path)[1:]]
+    header, *rows = [[cell.strip() for cell in line.split(",")] for line in text_lines(path)] or [[]]
     rows = [row for row in rows if len(row) > 1]
     if not rows:
         raise InputError(f"{path}: no frames: the file has no rows")
     width = POSE_COLUMNS + LENS_COLUMNS
     numbers = np.array([[number_from_text(cell) for cell in (row + [""] * width)[2:width]] for row in rows])
     stamps = np.array([stamp_ns_from_text(row[0]) for row in rows], dtype=np.int64)
-    return _Odometry(tuple(row[1] for row in rows), PoseTable(stamps, numbers[:, :3], numbers[:, 3:7]), numbers[:, 7:])
+    return _Odometry(
+        tuple(row[1] for row in rows), PoseTable(stamps, numbers[:, :3], numbers[:, 3:7]), numbers[:, 7:], _header_problems(header)
+    )
+
+
+def _header_problems(header: list[str]) -> tuple[Problem, ...]:
+    """Whether the first line is the app's; the columns are taken by their place."""
+    if tuple(cell.lower() for cell in header[:POSE_COLUMNS]) == POSE_NAMES:
+        return ()
+    advice = (
+        f"the columns are taken as {', '.join(POSE_NAMES)}, and the first line is no frame; check that the file is whole and the app's own"
+    )
+    return (Problem("header-unknown", "the first line is not the header of Stray Scanner", "odometry.csv, row 1", 1, advice),)
+
+
+def _unposed(folder: Path, frames: tuple[str, ...]) -> tuple[Problem, ...]:
+    """Depth images that odometry.csv says nothing about: it was cut off, or rows were lost."""
+    lost = sorted({file.stem for file in folder.glob("*.png") if not file.name.startswith(".")} - set(frames))
+    if not lost:
+        return ()
+    whole = len(lost) + len(set(frames))
+    message = f"depth images without a row in odometry.csv, of {whole}: it is cut off, or rows were lost"
+    advice = "these frames are left out; copy the recording again, or export it again"
+    return (Problem("frame-unposed", message, str(folder / f"{lost[0]}.png"), len(lost), advice),)
 
 
 def _depth_lens(path: Path, lens: Array, files: DepthFiles, config: ReadConfig) -> Array:

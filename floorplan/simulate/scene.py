@@ -13,7 +13,7 @@ from floorplan.simulate.presets import Preset, preset_named
 from floorplan.simulate.route import Route, Stop, plan_route
 from floorplan.simulate.storeys import Storey, joined, storey_height_m
 from floorplan.simulate.walk import Walk, draw_style, walk
-from floorplan.simulate.works import after_works
+from floorplan.simulate.works import Works, after_works
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Scene:
     seed: int
     storeys: tuple[Storey, ...]
     walk: Walk
+    left_out: tuple[str, ...] = ()  # works that there was no place for, in sentences
 
     @property
     def building(self) -> Building:
@@ -57,6 +58,7 @@ def draw_scene(
     style = draw_style(preset.sensor.fov_x_deg, walk_rng)
     rate = rate_hz or preset.rate_hz
     levels: list[Storey] = []
+    left_out: list[str] = []
     whole: Walk | None = None
     for index in range(storeys):
         route = plan_route(shell, grid, preset.path_m, route_rng)
@@ -64,13 +66,14 @@ def draw_scene(
             route = _from_the_stair(route, levels[0].route)
         empty = add_glass_and_beams(shell, route, furniture_rng) if preset.glass else shell
         furnished = furnish(add_hard_objects(empty, route, hard_rng) if hard else empty, route, furniture_rng)
-        building = after_works(furnished, route) if works else furnished
+        done = after_works(furnished, route) if works else Works(furnished)
+        left_out += done.left_out
         floor, stage = index * storey_height_m(shell), walk(route, style, rate, walk_rng)
         whole = stage if whole is None else joined(whole, stage, floor, rate)
-        levels.append(Storey(floor, building, route, slice(len(whole) - len(stage), len(whole))))
+        levels.append(Storey(floor, done.building, route, slice(len(whole) - len(stage), len(whole))))
     if whole is None:
         raise UsageError("a building has at least one storey")
-    return Scene(preset, seed, tuple(levels), whole)
+    return Scene(preset, seed, tuple(levels), whole, tuple(left_out))
 
 
 def _from_the_stair(route: Route, lowest: Route) -> Route:

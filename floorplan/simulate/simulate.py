@@ -42,8 +42,8 @@ def simulate(
     works: bool = False,
     walk_part: WalkPart = WHOLE_WALK,
     progress: Progress = _silent,
-) -> None:
-    """Write a scan of a simulated building to the folder `out`, with its `truth.json`.
+) -> tuple[str, ...]:
+    """Write a scan of a simulated building to the folder `out`, with its `truth.json`; gives what was asked for and had no place.
 
     `odometry_error` (0.02 is 2 %) overrides the drift of the preset; `path_scale` makes building and path larger;
     `rate_hz` and `image_scale` override the camera's; `sensor` "lidar16" a spinning LiDAR instead of it;
@@ -66,6 +66,7 @@ def simulate(
     _record(instrument, chosen.writer(out, instrument, noise), coverage, scene, odometry, progress)
     truth = truth_of(replace(scene, seed=seed), parts, coverage)
     (out / "truth.json").write_text(json.dumps(truth, separators=(",", ":")) + "\n")
+    return drawn.left_out
 
 
 def _checked(out: Path, format: str, sensor: str, storeys: int) -> Format:

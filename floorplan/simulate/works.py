@@ -12,6 +12,8 @@ from floorplan.simulate.route import Route
 SET_FORWARD_M = 0.15  # insulation and a new lining
 PARTITION_M = (1.2, 0.12)  # length into the room, thickness
 MIN_RUN_M = 2.0
+NO_WALL = "no wall was set forward: none is free of furniture, doors and the walk"
+NO_PARTITION = "no partition was built: no second room has a place for it beside furniture, doors and the walk"
 GROWN_M = 1e-7  # so that what is taken away leaves no sliver
 
 Run = tuple[int, float, float, float, float]
@@ -23,15 +25,23 @@ class _Candidate:
     run: Run
 
 
-def after_works(building: Building, route: Route) -> Building:
+@dataclass(frozen=True)
+class Works:
+    """A building after works, and a sentence for each of the two that there was no place for."""
+
+    building: Building
+    left_out: tuple[str, ...] = ()
+
+
+def after_works(building: Building, route: Route) -> Works:
     """The longest free wall of a room set forward by `SET_FORWARD_M`, and a partition square to the next longest of another room."""
     candidates = sorted(_free_runs(building, route), key=lambda c: (-(c.run[2] - c.run[1]), c.space.id))
     if not candidates:
-        return building
+        return Works(building, (NO_WALL, NO_PARTITION))
     forward = candidates[0]
     changed = _without(building, forward.space, _strip(forward.run))
     others = [c for c in candidates if c.space.id != forward.space.id and _is_free(_partition(c.run), c.space, building, route)]
-    return _without(changed, others[0].space, _partition(others[0].run)) if others else changed
+    return Works(_without(changed, others[0].space, _partition(others[0].run))) if others else Works(changed, (NO_PARTITION,))
 
 
 def _free_runs(building: Building, route: Route) -> Iterator[_Candidate]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from floorplan.cli.compare_command import alignment_warnings, opening_words
 from floorplan.compare import Survey, compare_surveys
 from floorplan.compare.openings import OpeningState
 from floorplan.compare.survey import Rays
@@ -111,6 +112,25 @@ def test_a_door_is_moved_widened_or_closed() -> None:
     (closed,) = compare_surveys(survey(before), survey(two_rooms())).openings
     assert (closed.state, closed.first, closed.second) == (OpeningState.CLOSED, "O1", "")
     assert [c.state for c in compare_surveys(survey(two_rooms()), survey(before)).openings] == [OpeningState.NEW]
+
+
+def test_a_window_that_became_a_door_is_named_as_such() -> None:
+    window = Opening("O1", OpeningKind.WINDOW, ((MID_WEST + MID_EAST) / 2, 2.0), 1, 0.9, 0.01)
+    before = replace(two_rooms(), openings=(window,))
+    (change,) = compare_surveys(survey(before), survey(replace(before, openings=(replace(window, kind=OpeningKind.DOOR),)))).openings
+    assert (change.state, change.moved) == (OpeningState.CHANGED, True)
+    assert opening_words(change) == "changed: window, now door"
+    passage = replace(before, openings=(replace(window, kind=OpeningKind.PASSAGE),))
+    door = replace(before, openings=(replace(window, kind=OpeningKind.DOOR),))
+    assert [c.state for c in compare_surveys(survey(passage), survey(door)).openings] == [OpeningState.SAME]
+
+
+def test_an_alignment_that_may_be_chance_is_told_loudly() -> None:
+    sure = compare_surveys(survey(two_rooms()), survey(two_rooms()))
+    assert sure.alignment.share == pytest.approx(1.0)
+    assert alignment_warnings(sure) == ()
+    doubtful = replace(sure, alignment=replace(sure.alignment, share=0.4, matched_m=20.0), unseen_m=72.7)
+    assert [word in text for word, text in zip(("only 40 %", "72.7 m"), alignment_warnings(doubtful), strict=True)] == [True, True]
 
 
 def test_surveys_without_a_wall_in_common_are_refused() -> None:

@@ -121,7 +121,7 @@ def test_the_command_prints_the_table_and_the_verdict(work: Path) -> None:
     result = RUNNER.invoke(app, ["check", str(work), str(work / "laser.csv")])
     assert result.exit_code == 0
     assert "-20 mm" in result.stdout
-    assert "2 distances, 1 rows could not be compared" in result.stdout
+    assert "2 distances, 1 row could not be compared" in result.stdout
     assert "no dimension D7" in result.stderr
 
 
@@ -130,6 +130,7 @@ def test_json_and_csv_hold_the_same_rows(work: Path) -> None:
     result = RUNNER.invoke(app, ["check", str(work), str(work / "laser.csv"), "--json", "--csv", str(table), "-q"])
     tree = json.loads(result.stdout)
     lines = table.read_text("utf-8").splitlines()
+    assert "-0.0200,-0.4975" in lines[1]
     assert [row["id"] for row in tree["rows"]] == ["D1", "D2"] == [line.split(",")[1] for line in lines[1:]]
     assert tree["bad"][0]["line"] == 4
 
@@ -144,7 +145,19 @@ def test_past_the_tolerance_the_exit_code_is_5(work: Path, tolerance: str) -> No
 
 @pytest.mark.parametrize("tolerance", ["21mm", "0.6%"])
 def test_within_the_tolerance_the_exit_code_is_0(work: Path, tolerance: str) -> None:
+    (work / "laser.csv").write_text("id,measured_m\nD1,4.02\nD2,3.0\nD3,\n", "utf-8")
     assert RUNNER.invoke(app, ["check", str(work), str(work / "laser.csv"), "--tolerance", tolerance]).exit_code == 0
+
+
+def test_a_row_that_cannot_be_compared_proves_no_tolerance(work: Path) -> None:
+    error = error_of(str(work), str(work / "laser.csv"), "--tolerance", "21mm")
+    assert isinstance(error, CheckFailedError)
+    assert "1 of 3 measured rows could not be compared (line 4)" in str(error)
+
+
+def test_a_table_nobody_filled_says_so(work: Path) -> None:
+    (work / "laser.csv").write_text("id,measured_m\nD1,\nD2,\n", "utf-8")
+    assert "measured_m is empty in all of its 2 rows" in str(error_of(str(work), str(work / "laser.csv")))
 
 
 def test_mistakes_have_their_kinds(work: Path, tmp_path: Path) -> None:

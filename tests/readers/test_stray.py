@@ -60,6 +60,26 @@ def test_missing_poses_doubled_and_unsorted_stamps_are_counted_and_mended(tmp_pa
     assert (np.diff(recording.stamp_ns) > 0).all()
 
 
+@pytest.mark.parametrize("rows", [slice(1, 5), slice(8, None)])
+def test_depth_images_whose_rows_were_lost_are_counted(tmp_path: Path, rows: slice) -> None:
+    folder = write_stray(tmp_path, Walk())
+    lines = (folder / "odometry.csv").read_text().splitlines()
+    lost = len(lines[rows])
+    del lines[rows]
+    (folder / "odometry.csv").write_text("\n".join(lines))
+    (problem,) = open_scan(folder).recording.problems
+    assert (problem.code, problem.count) == ("frame-unposed", lost)
+    assert f"of {12}" in problem.message
+
+
+def test_a_header_that_is_not_the_apps_is_told(tmp_path: Path) -> None:
+    folder = write_stray(tmp_path, Walk())
+    (folder / "odometry.csv").write_text("\n".join(["a,b,c", *(folder / "odometry.csv").read_text().splitlines()[1:]]))
+    recording = open_scan(folder).recording
+    assert [p.code for p in recording.problems] == ["header-unknown"]
+    assert len(recording) == 12
+
+
 def test_a_missing_camera_matrix_names_the_settings_to_use(tmp_path: Path) -> None:
     folder = write_stray(tmp_path, Walk())
     (folder / "camera_matrix.csv").unlink()
