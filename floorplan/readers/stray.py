@@ -116,7 +116,7 @@ def _unposed(folder: Path, frames: tuple[str, ...]) -> tuple[Problem, ...]:
     if not lost:
         return ()
     whole = len(lost) + len(set(frames))
-    message = f"depth images without a row in odometry.csv, of {whole}: it is cut off, or rows were lost"
+    message = f"{len(lost)} of {whole} depth images have no row in odometry.csv: it is cut off, or rows were lost"
     advice = "these frames are left out; copy the recording again, or export it again"
     return (Problem("frame-unposed", message, str(folder / f"{lost[0]}.png"), len(lost), advice),)
 
