@@ -67,6 +67,7 @@ class _TieRows:
     length_m: Array
     variance_m2: Array
     scale_sigma: float = 0.0
+    bias_sigma_m: float = 0.0
 
 
 def _tie_rows(ties: DistanceTies | None, mine: Array) -> _TieRows:
@@ -74,7 +75,7 @@ def _tie_rows(ties: DistanceTies | None, mine: Array) -> _TieRows:
     if ties is None:
         return _TieRows(np.zeros((0, len(mine))), np.zeros(0), np.zeros(0))
     kept = ties.only(np.isin(ties.lower, mine) & np.isin(ties.upper, mine))
-    return _TieRows(kept.matrix(int(mine.max()) + 1)[:, mine], kept.length_m, kept.sigma_m**2, ties.scale_sigma)
+    return _TieRows(kept.matrix(int(mine.max()) + 1)[:, mine], kept.length_m, kept.sigma_m**2, ties.scale_sigma, ties.bias_sigma_m)
 
 
 def _joined(offset_m: Array, blurred: Array, member: Array, ties: _TieRows, slack_m: Array | None) -> tuple[Array, Array, Array]:
@@ -92,15 +93,26 @@ def _joined(offset_m: Array, blurred: Array, member: Array, ties: _TieRows, slac
     if slack_m is not None:
         moved = covariance @ (heavy.T @ slack_m.T)
         covariance = covariance + moved @ moved.T
-    plane, covariance = _tied(plane, covariance, ties)
-    return plane, covariance, np.asarray(cho_solve(factor, G @ plane - offset_m))
+    tied = _tied(plane, covariance, ties)
+    return tied.surface_m, tied.covariance_m2, np.asarray(cho_solve(factor, G @ tied.plane_m - offset_m))
 
 
-def _tied(plane: Array, covariance: Array, ties: _TieRows) -> tuple[Array, Array]:
-    """Planes and covariance once the measured distances are rows too (E11)."""
-    covariance = covariance + ties.scale_sigma**2 * np.outer(plane, plane)
+@dataclass(frozen=True)
+class _Tied:
+    """Planes once the measured distances are rows too: `plane_m` as the scan sees them, `surface_m` without its bias, its covariance."""
+
+    plane_m: Array
+    surface_m: Array
+    covariance_m2: Array
+
+
+def _tied(plane: Array, covariance: Array, ties: _TieRows) -> _Tied:
+    """Planes and surfaces conditioned on the measured distances (E11): what the scan's planes do not give is their bias."""
+    seen = covariance + ties.scale_sigma**2 * np.outer(plane, plane)
+    true = seen + ties.bias_sigma_m**2 * np.eye(len(plane))
     if not len(ties.length_m):
-        return plane, covariance
-    felt = covariance @ ties.H.T
-    gain = np.linalg.solve(ties.H @ felt + np.diag(ties.variance_m2), felt.T).T
-    return plane + gain @ (ties.length_m - ties.H @ plane), covariance - gain @ felt.T
+        return _Tied(plane, plane, true)
+    felt = true @ ties.H.T
+    spread = ties.H @ felt + np.diag(ties.variance_m2)
+    pull = ties.H.T @ np.linalg.solve(spread, ties.length_m - ties.H @ plane)
+    return _Tied(plane + seen @ pull, plane + true @ pull, true - felt @ np.linalg.solve(spread, felt.T))

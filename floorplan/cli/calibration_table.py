@@ -28,7 +28,7 @@ def print_calibration(calibration: "Calibration") -> None:
     ]
     echo_table([HEADER, *rows])
     used = [row for row in calibration.rows if row.used]
-    if used:
+    if len(used) > 1:
         mean_mm = 1000 * sum(abs(row.predicted_m - row.measured_m) for row in used) / len(used)
         echo(f"left out one at a time, each is foretold by the others to {mean_mm:.1f} mm on average: so good is the plan elsewhere")
     if calibration.scale != 1:

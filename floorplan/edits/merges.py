@@ -25,7 +25,8 @@ def edit_merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, merged: 
         if not _fault(graph, pair):
             label = np.where(label == label[pair.second], label[pair.first], label)
             hypotheses = _forced(hypotheses, least_squares.track_offset_m, pair)
-    return replace(merged, plane_of_track=_numbered(label), hypotheses=hypotheses)
+    made = None if merged.made is None else merged.made.only(label[merged.made.first] == label[merged.made.second])
+    return replace(merged, plane_of_track=_numbered(label), hypotheses=hypotheses, made=made)
 
 
 def merge_notes(graph: LayoutGraph, least_squares: LeastSquaresSolution, edits: Edits) -> tuple[str, ...]:

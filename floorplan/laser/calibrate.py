@@ -16,7 +16,6 @@ from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
 from floorplan.model.normal import MAD_TO_SIGMA, NORMAL_95
 from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration, DistanceTies, TiedDistance
-from floorplan.range_accuracy import with_range_errors
 from floorplan.weighted_resolve import weighted_resolve
 
 MIN_FOR_SCALE = 3  # fewer distances that agree may agree by chance
@@ -24,6 +23,7 @@ SCALE_SIGMAS = 3.0  # the common scale is believed beyond this ...
 EACH_LEFT_OUT_SIGMAS = 2.0  # ... and beyond this whichever distance is left out: no single one carries it
 CONTRADICTED_SIGMAS = 5.0  # off everything else by more, in the spread that the others show: mistyped, or not that wall
 CONTRADICTED_M = 0.05  # and by more than walls are crooked
+SURPRISING_SIGMAS = 3.0  # off everything else by more than three in a thousand are: believed, but not without a word
 
 
 @dataclass(frozen=True)
@@ -81,16 +81,14 @@ def calibrate(graph: LayoutGraph, merged: MergeResult, plain: LayoutSolution, sp
     covariance = H @ _without_scale(plain, plain.plane_covariance_m2, accuracy) @ H.T
     question = _Question(H @ plain.plane_offset_m, covariance, ties.length_m, ties.sigma_m, accuracy.scale_sigma)
     used = _uncontradicted(question)
-    scale = _common_scale(question.only(np.flatnonzero(used)))
-    believed, scale_sigma = (scale.value, scale.sigma) if scale is not None else (1.0, 0.0)
-    rows = replace(ties.only(used), scale_sigma=scale_sigma)
-    solved = weighted_resolve(scaled_graph(graph, believed), merged.plane_of_track, merged.noise, ties=rows, made=merged.made)
-    left = replace(accuracy, scale_sigma=accuracy.scale_sigma if scale is None else 0.0)  # the tape's own scale_sigma is in there
-    solved = with_range_errors(solved, replace(graph, range_accuracy=left))
+    believing = question.only(np.flatnonzero(used))
+    scale = _common_scale(believing) or _Scale(1.0, _scale_left(believing))
+    rows = replace(ties.only(used), scale_sigma=scale.sigma, bias_sigma_m=accuracy.bias_sigma_m)
+    solved = weighted_resolve(scaled_graph(graph, scale.value), merged.plane_of_track, merged.noise, ties=rows, made=merged.made)
     after, prediction = H @ solved.plane_offset_m, _predictions(question, used)
     numbers = np.stack((ties.length_m, ties.sigma_m, question.plan_m, after, prediction.length_m, prediction.sigma_m), axis=1)
     tied = tuple(_tied_distance(span, row, bool(kept)) for span, row, kept in zip(spans, numbers, used, strict=True))
-    calibration = Calibration(believed, scale_sigma, tied, tuple(_warnings(tied)))
+    calibration = Calibration(scale.value, scale.sigma, tied, tuple(_warnings(tied)))
     return replace(solved, calibration=calibration)
 
 
@@ -130,6 +128,14 @@ def _common_scale(question: _Question) -> _Scale | None:
     without = [_fitted_scale(question.only(np.delete(np.arange(count), k))) for k in range(count)]
     agreed = all(part.sigmas > EACH_LEFT_OUT_SIGMAS and (part.value > 1) == (whole.value > 1) for part in without)
     return whole if whole.sigmas > SCALE_SIGMAS and agreed else None
+
+
+def _scale_left(question: _Question) -> float:
+    """How well the scale is known where none is taken out: as the sensor's, or as well as the distances say that there is none."""
+    if len(question.plan_m) < MIN_FOR_SCALE:
+        return question.scale_sigma
+    fitted = _fitted_scale(question)
+    return min(question.scale_sigma, float(np.hypot(fitted.sigma, fitted.value - 1)))
 
 
 def _fitted_scale(question: _Question) -> _Scale:
@@ -193,9 +199,16 @@ def _without(question: _Question, used: Array, row: int) -> _LeftOut:
 
 
 def _warnings(rows: tuple[TiedDistance, ...]) -> list[str]:
+    doubted = [row for row in rows if not row.used or _is_surprising(row)]
     return [
         f"line {row.line}: {row.name} is {row.measured_m:.3f} m, everything else says {row.predicted_m:.3f} m "
-        f"(+-{NORMAL_95 * row.predicted_sigma_m:.3f}); it was left out: mistyped, another wall, or a wrong merge there; measure it again"
-        for row in rows
-        if not row.used
+        f"(+-{NORMAL_95 * row.predicted_sigma_m:.3f}); "
+        + ("it was believed" if row.used else "it was left out")
+        + ": mistyped, another wall, or a wrong merge there; measure it again"
+        for row in doubted
     ]
+
+
+def _is_surprising(row: TiedDistance) -> bool:
+    """Whether a distance is off what everything else says by more than a few in a thousand are."""
+    return abs(row.measured_m - row.predicted_m) > SURPRISING_SIGMAS * float(np.hypot(row.predicted_sigma_m, row.sigma_m))

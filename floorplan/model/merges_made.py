@@ -28,6 +28,10 @@ class MergesMade:
     def __len__(self) -> int:
         return len(self.first)
 
+    def only(self, kept: Array) -> "MergesMade":
+        """The merges of the boolean or index array `kept`."""
+        return MergesMade(self.first[kept], self.second[kept], self.log_odds[kept], self.slack_m[kept])
+
 
 def join_merges(parts: Sequence[MergesMade]) -> MergesMade:
     """All parts in one table."""

@@ -1,6 +1,6 @@
 """Distances measured by hand between planes of the solution: rows `m_upper - m_lower = L`."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from floorplan.model.checks import Array, freeze
 class DistanceTies:
     """T rows: `lower (T,)`, `upper (T,)` final planes (indices, as in LayoutSolution); `length_m (T,)`; `sigma_m (T,)`.
 
-    `scale_sigma`: how well the common scale that was taken out before is known; 0 where none was.
+    `scale_sigma`: how well the common scale of all distances is known before these rows; `bias_sigma_m` of one surface: what the
+    sensor gets wrong in the same way all scan long, so that the distance in the scan is another one than the measured.
     """
 
     lower: Array
@@ -19,6 +20,7 @@ class DistanceTies:
     length_m: Array
     sigma_m: Array
     scale_sigma: float = 0.0
+    bias_sigma_m: float = 0.0
 
     def __post_init__(self) -> None:
         freeze(
@@ -39,7 +41,7 @@ class DistanceTies:
 
     def only(self, kept: Array) -> "DistanceTies":
         """The rows of the boolean or index array `kept`."""
-        return DistanceTies(self.lower[kept], self.upper[kept], self.length_m[kept], self.sigma_m[kept])
+        return replace(self, lower=self.lower[kept], upper=self.upper[kept], length_m=self.length_m[kept], sigma_m=self.sigma_m[kept])
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,13 @@
 """Merges by hand on a graph with two walls 5 cm apart."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from floorplan.edits.file import Edits, TrackPair
 from floorplan.edits.merges import edit_merge, merge_notes
 from floorplan.model.graph import Hypotheses, LeastSquaresSolution, MergeResult, Verdict
+from floorplan.model.merges_made import MergesMade
 from tests.graphs import graph_along_x
 
 OFFSETS = np.array([2.0, 2.01, 2.05, 5.0])
@@ -24,6 +27,13 @@ def test_a_forbidden_merge_shares_the_planes_tracks_out_to_the_nearer_side() -> 
     result = edit_merge(GRAPH, SOLUTION, merged([0, 0, 0, 1]), Edits(never_merge=(TrackPair(0, 2),)))
     assert result.plane_of_track.tolist() == [0, 0, 1, 2]
     assert result.hypotheses.verdict == (Verdict.ACCEPTED, Verdict.FORBIDDEN)
+
+
+def test_what_a_merge_left_open_is_forgotten_where_it_is_forbidden() -> None:
+    made = MergesMade(np.array([0, 1]), np.array([1, 2]), np.array([3.0, 0.5]), np.array([0.001, 0.02]))
+    result = edit_merge(GRAPH, SOLUTION, replace(merged([0, 0, 0, 1]), made=made), Edits(never_merge=(TrackPair(0, 2),)))
+    assert result.made is not None
+    assert result.made.slack_m.tolist() == [0.001]
 
 
 def test_a_forced_merge_joins_both_planes_and_is_a_row_of_the_hypotheses() -> None:

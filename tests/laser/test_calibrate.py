@@ -76,6 +76,37 @@ def test_without_a_scale_error_none_is_made_up() -> None:
     assert not result.calibration.warnings
 
 
+def test_distances_that_find_no_scale_error_narrow_the_intervals_all_the_same() -> None:
+    graph = replace(loop_graph(2)[0], range_accuracy=RangeAccuracy(scale_sigma=0.005, bias_sigma_m=0.004))
+    merged, plain = solved(graph)
+    spans = spans_of(plain, 1.0)
+    result = calibrate(graph, merged, plain, spans[1:])
+    assert result.calibration is not None
+    assert result.calibration.scale == 1.0
+    assert 0.0002 < result.calibration.scale_sigma < 0.0025
+    before, after = (sigma_of(solution, spans[0]) for solution in (plain, result))
+    assert after < before / 2  # 12 m, measured by no tape
+    assert abs(result.plane_offset_m[spans[0].upper] - result.plane_offset_m[spans[0].lower] - 12.0) < 3 * after
+    assert sigma_of(result, spans[1]) == pytest.approx(0.002, rel=0.2)  # no better and no worse than the meter
+
+
+def sigma_of(solution: LayoutSolution, span: Span) -> float:
+    assert solution.plane_covariance_m2 is not None
+    row = np.zeros(len(solution.plane_offset_m))
+    row[[span.upper, span.lower]] = 1.0, -1.0
+    return float(np.sqrt(row @ solution.plane_covariance_m2 @ row))
+
+
+def test_a_single_distance_far_off_the_plan_is_believed_with_a_warning() -> None:
+    graph = loop_graph(3)[0]
+    merged, plain = solved(graph)
+    span = spans_of(plain, 1.0, {0: 0.5})[0]
+    result = calibrate(graph, merged, plain, (span,))
+    assert result.calibration is not None
+    assert result.calibration.rows[0].used
+    assert "it was believed" in result.calibration.warnings[0]
+
+
 def test_a_mistyped_distance_is_left_out_with_a_warning_and_the_others_hold() -> None:
     graph = loop_graph(3)[0]
     merged, plain = solved(graph)
