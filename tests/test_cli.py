@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from floorplan import __version__
 from floorplan.build import Job
 from floorplan.cli import app
+from floorplan.cli.console import counted, whole_mm
 from floorplan.errors import ConfigError, FloorplanError, InputError, UsageError, WorkFolderError
 from floorplan.work.folder import Owner, claim
 
@@ -163,3 +164,8 @@ def test_a_work_folder_that_cannot_be_made_is_told_in_one_line(tmp_path: Path, p
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="give another place"):
         claim(tmp_path / place, Owner("scan", "tum", "0"))
+
+
+def test_counts_and_millimetres_read_as_people_write_them() -> None:
+    assert [counted(n, "gap") for n in (0, 1, 2)] == ["0 gaps", "1 gap", "2 gaps"]
+    assert [whole_mm(x) for x in (0.0031, -0.012, -0.0002, 0.0)] == ["+3", "-12", "0", "0"]

@@ -22,7 +22,7 @@ def print_calibration(calibration: "Calibration") -> None:
             f"{row.before_m:.3f}",
             f"{row.after_m:.3f}",
             f"{row.predicted_m:.3f} +-{NORMAL_95 * row.predicted_sigma_m:.3f}",
-            whole_mm(row.predicted_m - row.measured_m) + ("" if row.used else ", left out"),
+            f"{whole_mm(row.predicted_m - row.measured_m)} mm" + ("" if row.used else ", left out"),
         )
         for row in calibration.rows
     ]

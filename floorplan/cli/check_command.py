@@ -69,7 +69,7 @@ def print_check(result: "Check") -> None:
             row.id,
             f"{row.measured_m:.3f} m",
             f"{row.plan_m:.3f} m +-{NORMAL_95 * row.sigma_m:.3f}",
-            whole_mm(row.difference_m),
+            f"{whole_mm(row.difference_m)} mm",
             f"{row.percent:+.2f}",
             "within" if row.within else "OUTSIDE",
             "calibrated with" if row.calibrated else row.level,

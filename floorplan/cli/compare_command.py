@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from floorplan.cli import options as o
-from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table
+from floorplan.cli.console import ConsoleReporter, echo, echo_json, echo_table, whole_mm
 
 if TYPE_CHECKING:
     from floorplan.compare import Comparison
@@ -117,8 +117,8 @@ def _print_openings(comparison: "Comparison") -> None:
                 o.first or "-",
                 o.second or "-",
                 opening_words(o),
-                f"{1000 * o.moved_m:+.0f} +-{1000 * o.moved_interval_m:.0f} mm along",
-                f"{1000 * o.width_difference_m:+.0f} +-{1000 * o.width_interval_m:.0f} mm wide",
+                f"{whole_mm(o.moved_m)} +-{1000 * o.moved_interval_m:.0f} mm along",
+                f"{whole_mm(o.width_difference_m)} +-{1000 * o.width_interval_m:.0f} mm wide",
             )
             for o in moved
         ],
@@ -156,7 +156,7 @@ def _listed(title: str, rows: Sequence[tuple[str, ...]]) -> None:
 
 
 def _mm(moved_m: float, interval_m: float) -> str:
-    return f"{1000 * moved_m:+.0f} +-{1000 * interval_m:.0f} mm"
+    return f"{whole_mm(moved_m)} +-{1000 * interval_m:.0f} mm"
 
 
 def _print_agreement(name: str, agreed: "Repeatability | None") -> None:

@@ -31,9 +31,9 @@ def counted(count: int, name: str) -> str:
 
 
 def whole_mm(length_m: float) -> str:
-    """`+3 mm`, `-12 mm`, and `0 mm` without a sign."""
+    """`+3`, `-12`, and `0` without a sign."""
     rounded = round(1000 * length_m)
-    return f"{rounded:+d} mm" if rounded else "0 mm"
+    return f"{rounded:+d}" if rounded else "0"
 
 
 def echo_json(tree: Any) -> None:

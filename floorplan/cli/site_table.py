@@ -21,7 +21,7 @@ def print_site(site: "Site") -> None:
             (
                 point.name,
                 *(f"{value:.3f}" for value in (*point.plan, *point.site)),
-                *(whole_mm(value) for value in point.residual_m),
+                *(f"{whole_mm(value)} mm" for value in point.residual_m),
                 "corner" if point.snapped else "",
             )
             for point in site.points

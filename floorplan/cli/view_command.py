@@ -16,7 +16,7 @@ def view(
     work: o.Work,
     screenshot: Annotated[Path | None, typer.Option("--screenshot", metavar="F.png", help="A picture; needs no screen.")] = None,
     frame: Annotated[int | None, typer.Option("--frame", metavar="N", help="What the camera saw in frame N, labelled.")] = None,
-    above: Annotated[bool, typer.Option("--above", help="With --screenshot: from straight above.")] = False,
+    above: Annotated[bool, typer.Option("--above", help="With --screenshot: from straight above, without perspective.")] = False,
     ceilings: Annotated[bool, typer.Option("--ceilings", help="Show ceilings too; they hide the rooms from above.")] = False,
 ) -> None:
     """3D look at points by axis, planes, and the path before (grey) and after (black)."""

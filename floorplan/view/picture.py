@@ -3,7 +3,7 @@
 Open3D's own off-screen renderer needs EGL or Vulkan, which servers and containers lack.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,25 +23,30 @@ BACKGROUND = 255
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the eye is: `rotation (3, 3)` rows right, up, towards the eye; `target_m (3,)`; `distance_m`; pixels per unit of tangent."""
+    """Where the eye is: `rotation (3, 3)` rows right, up, towards the eye; `target_m (3,)`; `distance_m`; pixels per unit of tangent.
+
+    `parallel`: every ray runs along the view, so that walls stand upright as in a plan.
+    """
 
     rotation: Array
     target_m: Array
     distance_m: float
     zoom: float = 1.0
     centre: tuple[float, float] = (0.0, 0.0)
+    parallel: bool = False
 
     def project(self, points_m: Array) -> tuple[Array, Array]:
         """Pixels (N, 2), y up from the picture's middle, and distance from the eye (N,) along the view."""
         seen = (points_m - self.target_m) @ self.rotation.T
         depth = self.distance_m - seen[:, 2]
-        return seen[:, :2] / depth[:, None] * self.zoom - self.centre, depth
+        across = self.distance_m if self.parallel else depth[:, None]
+        return seen[:, :2] / across * self.zoom - self.centre, depth
 
 
 def scene_picture(scene: Scene3D, from_above: bool = False) -> Array:
-    """RGB image (HEIGHT, WIDTH, 3) uint8, seen from a corner or from straight above."""
+    """RGB image (HEIGHT, WIDTH, 3) uint8, seen from a corner or from straight above, there without perspective."""
     size = np.array([WIDTH, HEIGHT]) * OVERSAMPLING
-    camera = _framed(scene, size, 90.0 if from_above else ELEVATION_DEG, -90.0 if from_above else AZIMUTH_DEG)
+    camera = _framed(scene, size, 90.0 if from_above else ELEVATION_DEG, -90.0 if from_above else AZIMUTH_DEG, from_above)
     step_m = camera.distance_m / camera.zoom  # about a pixel
     splats = [_splats(camera, scene.points_m, scene.colours, POINT_PIXELS)]
     for line in scene.lines:
@@ -58,19 +63,19 @@ class _Splats:
     side: int
 
 
-def _framed(scene: Scene3D, size: Array, elevation_deg: float, azimuth_deg: float) -> Camera:
+def _framed(scene: Scene3D, size: Array, elevation_deg: float, azimuth_deg: float, parallel: bool) -> Camera:
     """A camera that looks at the whole scene."""
     low, high = scene.framed_m.min(axis=0), scene.framed_m.max(axis=0)
     span = max(float(np.linalg.norm(high - low)), 1.0)
     elevation, azimuth = np.radians(elevation_deg), np.radians(azimuth_deg)
     towards = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-    camera = Camera(np.stack((right, np.cross(towards, right), towards)), (low + high) / 2, DISTANCE_IN_SPANS * span)
+    camera = Camera(np.stack((right, np.cross(towards, right), towards)), (low + high) / 2, DISTANCE_IN_SPANS * span, parallel=parallel)
     pixel, _ = camera.project(scene.framed_m)
     left_low, right_high = pixel.min(axis=0), pixel.max(axis=0)
     zoom = MARGIN * float(np.min(size / np.maximum(right_high - left_low, 1e-6)))
     middle = zoom * (left_low + right_high) / 2
-    return Camera(camera.rotation, camera.target_m, camera.distance_m, zoom, (float(middle[0]), float(middle[1])))
+    return replace(camera, zoom=zoom, centre=(float(middle[0]), float(middle[1])))
 
 
 def _splats(camera: Camera, points_m: Array, colours: Array, side: int, lift: float = 0.0) -> _Splats:
@@ -102,4 +107,3 @@ def _averaged(image: Array) -> Array:
     height, width = image.shape[0] // OVERSAMPLING, image.shape[1] // OVERSAMPLING
     blocks = image.reshape(height, OVERSAMPLING, width, OVERSAMPLING, 3)
     return np.asarray(blocks.mean(axis=(1, 3)).round().astype(np.uint8))
-
