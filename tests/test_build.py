@@ -18,8 +18,9 @@ from floorplan.config_file import load_config
 from floorplan.corrections import with_edits, with_laser
 from floorplan.drawings import Drawing
 from floorplan.errors import ConfigError, WorkFolderError
-from floorplan.export import export_graph, read_merges, read_results
+from floorplan.export import export, export_graph, read_merges, read_results
 from floorplan.graph_file import load_graph
+from floorplan.reporting import SilentReporter
 from floorplan.simulate import simulate
 from floorplan.solve_graph import solve_graph
 from floorplan.work.folder import read_owner
@@ -301,3 +302,18 @@ def test_a_sheet_that_cannot_hold_the_walk_is_refused_before_anything_is_compute
     with pytest.raises(ConfigError, match="walked path alone"):
         build(Job(scan, tmp_path / "work", config, drawings=(Drawing("svg", tmp_path / "plan.svg"),)))
     assert not (tmp_path / "work").exists()
+
+
+def test_an_export_says_in_one_line_which_stages_are_stale(work: Path, tmp_path: Path) -> None:
+    heard: list[str] = []
+
+    class Listener(SilentReporter):
+        def message(self, text: str) -> None:
+            heard.append(text)
+
+    other = replace(Config(), ingest=replace(Config().ingest, keyframe_distance_m=0.31))
+    export(work, other, (Drawing("json", tmp_path / "plan.json"),), Listener())
+    stale = [text for text in heard if "stale" in text]
+    assert len(stale) == 1
+    assert "1-ingest is stale" in stale[0]
+    assert "and 5 more stages" in stale[0]

@@ -17,7 +17,7 @@ BIN_M = 0.10  # of the votes for a shift: surveys of one floor differ by centime
 CANDIDATES = 16  # shifts tried per axis
 ON_WALL_M = 0.15  # faces this near lie on each other
 MIN_SHARE = 0.3  # of the smaller survey's wall length: less is another floor, or hardly the same part of it
-SURE_SHARE = 0.5  # from here on no other floor fits: different buildings reach 0.36 by chance, surveys of one 0.69 and more
+SURE_SHARE = 0.55  # from here on no other floor fits: different buildings reach 0.46 by chance, surveys of one 0.69 and more
 RIVAL_BY_CHANCE = 0.6  # below the sure share, another quarter turn that lays this much as well shows that both are chance
 AMBIGUOUS = 0.9  # another quarter turn that lays this much as well
 

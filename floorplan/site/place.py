@@ -123,7 +123,7 @@ def _north_words(site: Site, north_deg: float | None, points: int) -> tuple[str,
     apart = (north_deg - site.north_deg + 180.0) % 360.0 - 180.0
     if abs(apart) <= SAME_NORTH_DEG:
         return ()
-    found = f"the control points have north at {site.north_deg % 360.0:.2f} degrees"
+    found = f"the control points have north at {round(site.north_deg, 2) % 360.0:.2f} degrees"
     return (f"north at {north_deg:g} degrees is not used: {found}, {abs(apart):.1f} away; leave one of the two out",)
 
 
