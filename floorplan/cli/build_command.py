@@ -150,7 +150,11 @@ def _print_numbers(job: "Job", results: "Results") -> None:
                 f"{sum(len(level.free_lines) for level in levels)} more off the axes",
             ),
             ("openings", str(sum(len(level.openings) for level in levels)), ""),
-            ("planes", str(len(levels[0].planes)), f"from {len(results.layout.tracks.axis)} initial ones ({results.merged.method})"),
+            (
+                "planes",
+                str(len(results.solution.plane_offset_m)),
+                f"from {len(results.layout.tracks.axis)} initial ones ({results.merged.method})",
+            ),
             ("dimensions", str(len(dimensions)), ""),
         ]
     )

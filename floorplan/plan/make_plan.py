@@ -22,6 +22,7 @@ from floorplan.plan.free_lines import free_lines
 from floorplan.plan.free_space import free_space
 from floorplan.plan.gaps import Gap, find_gaps
 from floorplan.plan.glazing import as_glazing, glazed_lines
+from floorplan.plan.idle_planes import without_idle_planes
 from floorplan.plan.notes import plan_notes, through_glass_notes
 from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
@@ -46,12 +47,14 @@ def make_plan(
     """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
     world = _framed(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)), solution)
     world = with_overlooked(world, segmented.evidence.segment == NO_SEGMENT, segmented.free_patches, config)
+    solved = len(solution.plane_offset_m)
     levels = storeys(world)
     if len(levels) == 1:
-        return storey_plan(world, segmented.free_patches, solution, config)
+        return without_idle_planes(storey_plan(world, segmented.free_patches, solution, config), solved)
     frames = frames_of_storeys(world, floor_heights_m(world))
     patches = [patches_of(segmented.free_patches, world, rows) for rows in frames]
-    return stacked(tuple(storey_plan(level, seen, solution, config) for level, seen in zip(levels, patches, strict=True)))
+    plans = tuple(storey_plan(level, seen, solution, config) for level, seen in zip(levels, patches, strict=True))
+    return without_idle_planes(stacked(plans), solved)
 
 
 def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig) -> Plan:
