@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from floorplan.model.plan import OpeningKind, Plan
+from floorplan.model.plan import OpeningKind, Plan, Room
+from floorplan.model.site import Site
 from floorplan.writers.composition import Composition
 from floorplan.writers.facts import SheetFacts
 from floorplan.writers.unit_style import UnitStyle, area_interval, area_number, length_text
@@ -57,6 +58,8 @@ def notes(composition: Composition, facts: SheetFacts) -> tuple[str, ...]:
         said.append("Door swings are symbols: hinge and side were not surveyed.")
     if plan.glazing:
         said.append("Glazing is where rays went through between mullions; the glass itself is not measured.")
+    if plan.site is not None:
+        said.append(_site_note(plan.site, plan.rooms))
     told = " ".join((*plan.notes, *facts.unseen))
     if "heights" not in told and all(room.ceiling_height_m is None for room in plan.rooms):
         said.append("Heights were not measured.")
@@ -67,6 +70,19 @@ def notes(composition: Composition, facts: SheetFacts) -> tuple[str, ...]:
     own = dict.fromkeys(plan.notes)
     said += [_counted(note, plan.notes.count(note)) for note in own] + [note for note in facts.unseen if note not in own]
     return tuple(note.replace("+-", "±") for note in dict.fromkeys(said))
+
+
+def _site_note(site: Site, rooms: tuple[Room, ...]) -> str:
+    """Where the drawing lies on the site grid: two corners of the rooms' extent, and how far it is turned."""
+    corners = [point for room in rooms for point in room.outline] or [(0.0, 0.0)]
+    low = min(x for x, _ in corners), min(y for _, y in corners)
+    high = max(x for x, _ in corners), max(y for _, y in corners)
+    (e1, n1), (e2, n2) = site.to_site(low), site.to_site(high)
+    return (
+        f"Site grid, m: the extent of all rooms has its lower left corner at E {e1:.3f}, N {n1:.3f}, "
+        f"its upper right at E {e2:.3f}, N {n2:.3f}; "
+        f"grid north is {site.north_deg:+.4f} degrees from the drawing's up, counter-clockwise."
+    )
 
 
 def _counted(note: str, times: int) -> str:

@@ -1,9 +1,11 @@
 """Every export of a plan on the site grid lies there; the paper keeps its look."""
 
 import csv
+import html
 import io
 import json
 import math
+import re
 from dataclasses import replace
 
 import ezdxf
@@ -60,3 +62,12 @@ def test_geojson_and_tables_have_site_coordinates() -> None:
 
 def test_the_plan_as_data_keeps_its_site() -> None:
     assert plan_from_json(plan_to_json(placed())).site == SITE
+
+
+def test_the_paper_says_where_it_lies_on_the_grid() -> None:
+    corners = [point for room in sample_plan().rooms for point in room.outline]
+    east, north = SITE.to_site((min(x for x, _ in corners), min(y for _, y in corners)))
+    said = html.unescape(" ".join(re.findall(r">([^<>]+)</text>", written("svg", placed()).decode())))
+    assert f"E {east:.3f}, N {north:.3f}" in said
+    assert "-30.0000 degrees" in said
+    assert "Site grid," not in written("svg", sample_plan()).decode()
