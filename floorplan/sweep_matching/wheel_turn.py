@@ -2,14 +2,13 @@
 their distance is wrong. Both are the same all recording long, so matched turns tell them.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
 from floorplan.model.normal import MAD_TO_SIGMA
 from floorplan.model.scan import Recording, WheelTurn
+from floorplan.sweep_matching.refine import level_poses, with_level_poses
 
 _STRETCH_M, _STRETCH_RAD = 0.5, np.deg2rad(15.0)  # motion over which turns are compared: at less the matching's noise counts
 _FEWEST_STRETCHES = 40
@@ -39,14 +38,13 @@ def find_wheel_turn(recorded: Array, matched: Array) -> WheelTurn | None:
 
 def turned_right(recording: Recording, turn: WheelTurn) -> Recording:
     """The recording with every turn of its odometry mended, and so its path."""
-    yaw = np.unwrap(np.arctan2(recording.odom_from_sensor[:, 1, 0], recording.odom_from_sensor[:, 0, 0]))
-    step = _steps(np.column_stack((recording.position_m[:, :2], yaw)))
+    pose = level_poses(recording)
+    step = _steps(pose)
     mended = (1.0 + turn.part) * step[:, 2] + turn.rad_per_m * step[:, 0]
-    heading = yaw[0] + np.concatenate(([0.0], np.cumsum(mended)))
-    walked = np.einsum("nij,nj->ni", rotation_about_z(heading[:-1])[:, :2, :2], step[:, :2])
-    position = recording.position_m.copy()
-    position[1:, :2] = position[0, :2] + np.cumsum(walked, axis=0)
-    return replace(recording, position_m=position, odom_from_sensor=rotation_about_z(heading))
+    pose[1:, 2] = pose[0, 2] + np.cumsum(mended)
+    walked = np.einsum("nij,nj->ni", rotation_about_z(pose[:-1, 2])[:, :2, :2], step[:, :2])
+    pose[1:, :2] = pose[0, :2] + np.cumsum(walked, axis=0)
+    return with_level_poses(recording, pose)
 
 
 def _steps(pose: Array) -> Array:
