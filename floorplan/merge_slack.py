@@ -1,9 +1,10 @@
 """What a merge leaves open: two surfaces taken for one may yet be two, and the distances across such a merge are known less well."""
 
-import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from typing import NamedTuple
 
+import numpy as np
+
+from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 from floorplan.model.merges_made import MergesMade
 
@@ -19,19 +20,88 @@ def slack_m(log_odds: Array, delta_m: Array, variance_m2: Array) -> Array:
     return np.asarray(np.sqrt(wrong * (variance_m2 + delta_m**2)))
 
 
+class _Walk(NamedTuple):
+    """The trees that merges make of tracks, walked from a root each: whatever hangs below a track follows it without a gap.
+
+    `order (T,)` the tracks as they were met; `place (T,)` of each in it, `after (T,)` the first place behind all that hangs below it;
+    `above (T,)` the track before, itself for a root; `root (T,)` of its tree.
+    """
+
+    order: Array
+    place: Array
+    after: Array
+    above: Array
+    root: Array
+
+
 def slack_of_tracks_m(made: MergesMade, tracks: Array) -> Array:
     """One row per doubtful merge (D, T): how `tracks` move when its slack is one sigma, half of it on either side."""
     last = int(max(tracks.max(initial=-1), made.first.max(initial=-1), made.second.max(initial=-1))) + 1
-    mine = np.zeros(last, dtype=bool)
-    mine[tracks] = True
-    doubtful = np.flatnonzero((made.slack_m > NEGLIGIBLE_M) & mine[made.first])
-    sides = np.array([_sides(made, int(edge), last)[tracks] for edge in doubtful]).reshape(len(doubtful), len(tracks))
-    return np.asarray(sides * made.slack_m[doubtful, None])
+    column = np.full(last, -1)
+    column[tracks] = np.arange(len(tracks))
+    doubtful = np.flatnonzero((made.slack_m > NEGLIGIBLE_M) & (column[made.first] >= 0))
+    if not len(doubtful):
+        return np.zeros((0, len(tracks)))
+    walk = _walked(made.first, made.second, last)
+    return _sides(walk, made.first[doubtful], made.second[doubtful], made.slack_m[doubtful], column, len(tracks))
 
 
-def _sides(made: MergesMade, edge: int, count: int) -> Array:
-    """+1/2 and -1/2 for the tracks on either side of a merge, 0 for all others."""
-    others = np.arange(len(made)) != edge
-    links = coo_array((np.ones(others.sum()), (made.first[others], made.second[others])), shape=(count, count))
-    part = connected_components(links, directed=False)[1]
-    return np.asarray(0.5 * (part == part[made.first[edge]]) - 0.5 * (part == part[made.second[edge]]))
+@compiled
+def _sides(walk: _Walk, first: Array, second: Array, slack_m: Array, column: Array, count: int) -> Array:
+    """+1/2 and -1/2 of its slack for the columns (count,) of the tracks on either side of each merge (D, count), 0 for all others."""
+    sides = np.zeros((len(first), count))
+    for d in range(len(first)):
+        below, half = (first[d], 0.5 * slack_m[d]) if walk.above[first[d]] == second[d] else (second[d], -0.5 * slack_m[d])
+        top = walk.root[below]
+        for k in range(walk.place[top], walk.after[top]):
+            where = column[walk.order[k]]
+            if where >= 0:
+                sides[d, where] = half if walk.place[below] <= k < walk.after[below] else -half
+    return sides
+
+
+@compiled
+def _walked(first: Array, second: Array, count: int) -> _Walk:
+    """The trees of `count` tracks, depth first."""
+    start, beside = _neighbours(first, second, count)
+    order, place, after = np.empty(count, np.int64), np.full(count, -1), np.zeros(count, np.int64)
+    above, root, stack = np.arange(count), np.arange(count), np.empty(count + 2 * len(first), np.int64)
+    met = 0
+    for tree in range(count):
+        waiting = 0
+        if place[tree] < 0:
+            stack[0], waiting = tree, 1
+        while waiting > 0:
+            waiting -= 1
+            track = stack[waiting]
+            if place[track] >= 0:
+                continue
+            order[met], place[track], root[track] = track, met, tree
+            met += 1
+            for k in range(start[track], start[track + 1]):
+                if place[beside[k]] < 0:
+                    above[beside[k]] = track
+                    stack[waiting] = beside[k]
+                    waiting += 1
+    for k in range(count - 1, -1, -1):
+        track = order[k]
+        after[track] = max(after[track], k + 1)
+        after[above[track]] = max(after[above[track]], after[track])
+    return _Walk(order, place, after, above, root)
+
+
+@compiled
+def _neighbours(first: Array, second: Array, count: int) -> tuple[Array, Array]:
+    """Of every track (count + 1,) where its neighbours begin in the second."""
+    start = np.zeros(count + 1, np.int64)
+    for e in range(len(first)):
+        start[first[e] + 1] += 1
+        start[second[e] + 1] += 1
+    start = np.cumsum(start)
+    free, beside = start.copy(), np.empty(2 * len(first), np.int64)
+    for e in range(len(first)):
+        a, b = first[e], second[e]
+        beside[free[a]], beside[free[b]] = b, a
+        free[a] += 1
+        free[b] += 1
+    return start, beside

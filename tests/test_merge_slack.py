@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from floorplan.merge_slack import slack_m, slack_of_tracks_m
 from floorplan.model.merges_made import MergesMade
@@ -24,3 +26,22 @@ def test_the_two_sides_of_a_doubtful_merge_move_apart_and_nothing_else_does() ->
     assert apart[0, 1] == apart[2, 3] == 0.0
     np.testing.assert_allclose(apart[:2, 2:4], 0.01**2)
     assert not covariance[4:, :].any()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_cutting_any_merge_of_any_forest_parts_the_tracks_as_its_connected_components_say(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    after = np.flatnonzero(rng.random(40) < 0.8)[1:]
+    first, second = after, np.array([rng.integers(0, k) for k in after])
+    turned = rng.random(len(after)) < 0.5
+    first, second = np.where(turned, second, first), np.where(turned, first, second)
+    tracks = np.sort(rng.choice(45, 30, replace=False))
+    slack = rng.uniform(0.001, 0.01, len(first))
+    doubtful = np.flatnonzero(np.isin(first, tracks))
+    moved = slack_of_tracks_m(MergesMade(first, second, np.zeros(len(first)), slack), tracks)
+    assert len(moved) == len(doubtful) > 10
+    for row, edge in zip(moved, doubtful, strict=True):
+        others = np.arange(len(first)) != edge
+        part = connected_components(coo_array((np.ones(others.sum()), (first[others], second[others])), shape=(45, 45)), directed=False)[1]
+        expected = 0.5 * (part == part[first[edge]]) - 0.5 * (part == part[second[edge]])
+        np.testing.assert_array_equal(row, expected[tracks] * slack[edge])

@@ -117,7 +117,7 @@ def _merges_made(systems: Sequence[tuple[Planes, Pairs, Decision]]) -> MergesMad
 def _result(
     graph: LayoutGraph, noise: ScanNoise, plane_of_track: Array, hypotheses: Hypotheses, known: Sequence[KnownSystem], made: MergesMade
 ) -> MergeResult:
-    solved = weighted_resolve(graph, plane_of_track, noise, known=known, made=made)
+    solved = weighted_resolve(graph, plane_of_track, noise, keep_covariance=False, known=known)  # no doubt moves a plane
     offset = solved.plane_offset_m[plane_of_track]
     return MergeResult(
         method="evidence",
