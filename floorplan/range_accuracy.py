@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from floorplan.model.error_parts import ErrorCause
 from floorplan.model.graph import LayoutGraph, LayoutSolution
 from floorplan.model.scan import RangeAccuracy, Sensor, SensorKind
 
@@ -35,9 +36,12 @@ def with_range_errors(solution: LayoutSolution, graph: LayoutGraph) -> LayoutSol
     if accuracy is None:
         return solution
     variance = solution.plane_sigma_m**2 + accuracy.bias_sigma_m**2 + (accuracy.scale_sigma * solution.plane_offset_m) ** 2
-    covariance = solution.plane_covariance_m2
+    covariance, parts = solution.plane_covariance_m2, solution.error_parts
     if covariance is not None:
         same_axis = solution.plane_axis[:, None] == solution.plane_axis[None, :]
         stretched = accuracy.scale_sigma**2 * np.outer(solution.plane_offset_m, solution.plane_offset_m) * same_axis
-        covariance = covariance + stretched + accuracy.bias_sigma_m**2 * np.eye(len(same_axis))
-    return replace(solution, plane_sigma_m=np.sqrt(variance), plane_covariance_m2=covariance)
+        biased = accuracy.bias_sigma_m**2 * np.eye(len(same_axis))
+        covariance = covariance + stretched + biased
+        if parts is not None:
+            parts = parts.with_added(ErrorCause.SCALE, stretched).with_added(ErrorCause.SENSOR, biased)
+    return replace(solution, plane_sigma_m=np.sqrt(variance), plane_covariance_m2=covariance, error_parts=parts)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from floorplan.model.advice import Advice
+from floorplan.model.error_parts import ErrorCause
 from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Certainty, Dimension, Plan, PlanPlane
 from floorplan.model.range_bias import RangeBias
@@ -15,6 +16,14 @@ FEW_FRAMES = 5  # keyframes; a wall seen in fewer was passed by, not surveyed
 BLIND_SHARE = 0.10  # of the keyframes without a wall in view
 WIDE_M, WIDE_SHARE = 0.015, 0.01  # half an interval: past LOA30 and past a per cent, a dimension is worth a laser meter
 INFERRED_SHARE = 0.15  # of the wall length that was bridged, not seen
+WHY = {  # what most of an interval is, and what makes that part smaller
+    ErrorCause.PATH: ("the walk between its two ends", "walk a loop through there, or measure it by hand and give it with --laser"),
+    ErrorCause.SURFACES: ("sightings of its two surfaces that disagree", "look at both again from nearby and square on"),
+    ErrorCause.MERGES: ("surfaces taken for one that may be two", "measure it by hand and give it with --laser, or see 'floorplan merges'"),
+    ErrorCause.SCALE: ("the scale of the sensor's ranges, which no scan shows", "measure it by hand and give it with --laser"),
+    ErrorCause.SENSOR: ("the constant bias that such a sensor may have", "state range_bias_sigma where the sensor was calibrated"),
+    ErrorCause.TAPE: ("the distances measured by hand", "measure again with a better meter"),
+}
 SIDES = (("left", "right"), ("lower", "upper"))  # of the drawing, by the end of x and y
 
 
@@ -103,7 +112,10 @@ def _wide(plan: Plan) -> Advice | None:
         return None
     where = f" in {widest.room}" if widest.room else ""
     fact = f"{widest.id}{where} is the least certain: {widest.distance_m:.3f} m +-{interval:.3f}"
-    return Advice("least-certain", fact, "measure it by hand and give it with --laser, or walk a loop through there")
+    if widest.sigma_parts is None:
+        return Advice("least-certain", fact, "measure it by hand and give it with --laser, or walk a loop through there")
+    cause, way = WHY[widest.sigma_parts.by_size[0][0]]
+    return Advice("least-certain", f"{fact}, most of it {cause}", way)
 
 
 def _unvisited(plan: Plan) -> Advice | None:

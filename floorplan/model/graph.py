@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from floorplan.model.checks import Array, freeze
+from floorplan.model.error_parts import ErrorParts
 from floorplan.model.merges_made import MergesMade
 from floorplan.model.noise import ScanNoise
 from floorplan.model.scan import RangeAccuracy
@@ -188,6 +189,7 @@ class LayoutSolution:
     residual_m: float
     sigma_inflation: float = 1.0
     calibration: Calibration | None = None  # by distances measured by hand
+    error_parts: ErrorParts | None = None  # of `plane_covariance_m2`, by cause
 
     def __post_init__(self) -> None:
         freeze(

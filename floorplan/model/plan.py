@@ -11,6 +11,7 @@ from enum import StrEnum
 import numpy as np
 
 from floorplan.model.checks import Array, freeze
+from floorplan.model.error_parts import SigmaParts
 from floorplan.model.scan import Trajectory
 from floorplan.model.site import Site
 
@@ -158,7 +159,8 @@ class DimensionRole(StrEnum):
 class Dimension:
     """Distance between two planes along an axis, face to face, with its standard deviation from the joint covariance.
 
-    `start` and `end` are points on the two faces; `line` is a point the dimension line passes through.
+    `start` and `end` are points on the two faces; `line` is a point the dimension line passes through. `sigma_parts`: what `sigma_m` is
+    made of; None where a plane is none of the solution's, or the solution came without.
     """
 
     id: str
@@ -172,6 +174,7 @@ class Dimension:
     end: Point
     line: Point
     room: str = ""
+    sigma_parts: SigmaParts | None = None
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ from floorplan.plan.posts import standing_posts
 from floorplan.plan.returns import steps, with_steps
 from floorplan.plan.room_facts import RoomHeight, described, height_dimensions, level_points, room_height
 from floorplan.plan.rooms import RoomScene, find_rooms
+from floorplan.plan.sigma_parts import with_sigma_parts
 from floorplan.plan.storeys import floor_heights_m, frames_of_storeys, patches_of, stacked, storeys
 from floorplan.plan.surface_evidence import PlaneEvidence, surface_evidence
 from floorplan.plan.walls import draw_walls, without_columns
@@ -92,7 +93,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
         openings=openings,
         rooms=rooms,
         columns=as_columns(columns),
-        dimensions=_dimensions(faces, rooms, levels, planes, covariance),
+        dimensions=with_sigma_parts(_dimensions(faces, rooms, levels, planes, covariance), ids, solution.error_parts),
         gross_outline=gross_outline(rooms, matter, config.max_thickness_m),
         plane_covariance_m2=None if solution.plane_covariance_m2 is None else covariance,
         evidence_xy_m=_drawn_points(world, config),

@@ -6,11 +6,13 @@ from itertools import pairwise
 import numpy as np
 
 from floorplan.laser.compare import level_of
+from floorplan.model.error_parts import SigmaParts
 from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Dimension, Opening, Plan, Room
 from floorplan.results import Results
 
 SAME_STRETCH = 50  # frames of the recording: a second or two out of sight is still one sighting
+SMALLEST_PART_MM = 0.5
 Lines = dict[str, list[str]]  # id -> title, then one line per fact: it goes into the page as JSON
 
 
@@ -61,9 +63,16 @@ def _dimension(dimension: Dimension, frames: "_Frames") -> list[str]:
     return [
         f"Dimension {dimension.id}",
         f"{dimension.distance_m:.3f} m ±{interval:.3f} (95 %), {level_of(interval)}",
+        *([_budget(dimension.sigma_parts)] if dimension.sigma_parts else []),
         *([f"in {dimension.room}"] if dimension.room else []),
         *(frames.of(plane) for plane in (dimension.from_plane, dimension.to_plane)),
     ]
+
+
+def _budget(parts: SigmaParts) -> str:
+    """What an interval is made of, each part's own in millimetres, the largest first; parts under half a millimetre are left out."""
+    told = [f"{cause.value} {1000 * NORMAL_95 * size:.0f}" for cause, size in parts.by_size if 1000 * NORMAL_95 * size >= SMALLEST_PART_MM]
+    return f"made of, in mm, squares adding up: {', '.join(told)}"
 
 
 class _Frames:
