@@ -26,7 +26,7 @@ from floorplan.site import on_site
 from floorplan.stage_counts import count_layout, count_merge, count_plan, count_scan, count_segments, count_solution
 from floorplan.stage_functions import ingest
 from floorplan.trim import trimmed
-from floorplan.work.fingerprint import scan_fingerprint
+from floorplan.work.fingerprint import begun_fingerprint
 from floorplan.work.folder import Owner, UntilReached, WorkFolder, claim
 from floorplan.work.lock import locked
 from floorplan.work.stages import INGEST, LEAST_SQUARES, MERGE, PLAN, RESOLVE, SEGMENTS, Stage
@@ -54,9 +54,10 @@ class Job:
 def build(job: Job, reporter: Reporter | None = None) -> Results | None:
     """Scan to plan; None when `job.until` stops before the plan. Raises `FloorplanError` for all a user can mend."""
     config, reporter = job.config, reporter or SilentReporter()
+    fingerprint = begun_fingerprint(job.scan, job.work)
     source = trimmed(open_scan(job.scan, job.format, config.read), config.ingest.trim)
     check_sheet(job.drawings, config.drawing, source.recording.position_m[:, :2])
-    owner = Owner(str(job.scan.resolve()), source.recording.format, scan_fingerprint(job.scan, job.work))
+    owner = Owner(str(job.scan.resolve()), source.recording.format, fingerprint.result())
     with opened_work(job, owner, reporter) as work, suppress(UntilReached):
         scan = work.stage(INGEST, IngestedScan, lambda: ingest(source, config.ingest, reporter.progress), count_scan)
         tell_problems(reporter, scan.recording.problems)

@@ -9,15 +9,12 @@ from floorplan.config import IngestConfig
 from floorplan.errors import InputError, UsageError
 from floorplan.gravity import estimate_gravity
 from floorplan.keyframes import select_keyframes
-from floorplan.loop_closing import close_loops
-from floorplan.matching_problems import matching_problems
 from floorplan.model.checks import Array
 from floorplan.model.scan import POSES_MISSING, Frame, GravitySource, IngestedScan, Problem, Recording, SensorKind, Trajectory
 from floorplan.readers.base import BadFrame, Source
 from floorplan.recording_checks import frozen_start, motion_problems
 from floorplan.reporting import Steps, no_steps
 from floorplan.rgbd_odometry import with_rgbd_odometry
-from floorplan.sweep_matching import match_sweeps, with_level_poses
 
 
 def ingest(source: Source, config: IngestConfig, steps: Steps = no_steps) -> IngestedScan:
@@ -29,14 +26,12 @@ def ingest(source: Source, config: IngestConfig, steps: Steps = no_steps) -> Ing
     stop_on_fatal(recording.problems)
     if not _is_to_be_refined(recording, config):
         return IngestedScan(recording, keyframes_of(recording, config))
+    from floorplan.matched_recording import matched_recording  # a camera's build waits for none of it
+
+    matched = matched_recording(source, recording, config.close_loops, steps)
     recorded = Trajectory(recording.stamp_ns, recording.position_m, recording.odom_from_sensor)
-    matched = match_sweeps(source, recording, steps)
-    refined = matched.refined
-    closed = close_loops(refined, steps("closing loops")) if config.close_loops else None
-    recording = replace(recording, problems=recording.problems + matching_problems(recording, matched, closed))
-    recording = with_level_poses(recording, refined.pose if closed is None else closed.pose)
-    sigma_m = None if closed is None else closed.sigma_m
-    return IngestedScan(recording, keyframes_of(recording, config), recorded, map_sigma_m=sigma_m, wheels=matched.wheels)
+    keyframes = keyframes_of(matched.recording, config)
+    return IngestedScan(matched.recording, keyframes, recorded, map_sigma_m=matched.map_sigma_m, wheels=matched.wheels)
 
 
 def _is_to_be_refined(recording: Recording, config: IngestConfig) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from floorplan.config import Config
-from floorplan.drawings import Drawing, write_drawings
+from floorplan.drawings import Drawing, files_of, write_drawings
 from floorplan.reporting import Reporter
 from floorplan.results import Results
 from floorplan.summary import Summary
@@ -31,8 +31,9 @@ def draw_what_changed(
     for drawing in drawings:
         if drawing not in stale:
             reporter.message(f"{drawing.path} is up to date")
+    write_drawings(results, table, scan, stale, config, reporter)
     for drawing in stale:
-        files = write_drawings(results, table, scan, (drawing,), config, reporter)
+        files = files_of((drawing,), results.plan)
         known[_name(drawing)] = {"key": key, "files": {str(path.resolve()): _sha256(path) for path in files}}
     with clear_disk_errors(work), new_file(work / RECORD_NAME) as making:
         write_json(making, known)

@@ -5,7 +5,6 @@ is active, so they are checked on the solution and only violated ones enter the 
 """
 
 import numpy as np
-from scipy import optimize
 
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
@@ -58,6 +57,8 @@ def solve_with_signs(reduced: ReducedAxis, facing: Array) -> AxisSolution:
 
 def _with_active_rows(reduced: ReducedAxis, facing: Array, free: AxisSolution, active: Array) -> AxisSolution:
     """Minimum subject to the `active` sign rows, by its dual: non-negative least squares over the multipliers."""
+    from scipy.optimize import nnls  # slow to import, and hardly ever needed
+
     rows = reduced.rows
     pushes = [_response(reduced, row, float(facing[rows.plane[row]])) for row in active]
     sign, plane, frame = facing[rows.plane[active]], rows.plane[active], rows.frame[active]
@@ -68,7 +69,7 @@ def _with_active_rows(reduced: ReducedAxis, facing: Array, free: AxisSolution, a
     keep = value > EIGENVALUE_FLOOR * value[-1]
     root = np.sqrt(value[keep])
     excess = sign_excess_m(rows, facing, free)[active]
-    multiplier, _ = optimize.nnls(root[:, None] * vector[:, keep].T, (vector[:, keep].T @ excess) / root)
+    multiplier, _ = nnls(root[:, None] * vector[:, keep].T, (vector[:, keep].T @ excess) / root)
     return AxisSolution(free.position_m - positions @ multiplier, free.offset_m - offsets @ multiplier)
 
 

@@ -32,7 +32,7 @@ class PngHead:
 def png_head(path: Path) -> PngHead | None:
     """Size and depth of a greyscale PNG from its first bytes; None when the file is no greyscale PNG or cannot be read."""
     try:
-        with path.open("rb") as file:
+        with path.open("rb", buffering=0) as file:
             head = file.read(HEAD_BYTES)
             file.seek(-min(len(END), len(head)), 2)
             tail = file.read()

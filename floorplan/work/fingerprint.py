@@ -3,12 +3,21 @@
 import hashlib
 import os
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 TRUTH_NAME = "truth.json"  # of a simulated scan; no stage reads it
 FULLY_READ_BYTES = 256_000_000  # recordings up to this size are hashed whole (about 0.3 s) ...
 SAMPLED_FILES = 200  # ... larger ones by the names and sizes of all files and the content of this many
 BLOCK_BYTES = 1 << 20
+
+
+def begun_fingerprint(scan: Path, work: Path) -> "Future[str]":
+    """`scan_fingerprint` begun on a thread of its own: reading and hashing leave the interpreter to the program's start."""
+    pool = ThreadPoolExecutor(1)
+    begun = pool.submit(scan_fingerprint, scan, work)
+    pool.shutdown(wait=False)
+    return begun
 
 
 def scan_fingerprint(scan: Path, work: Path) -> str:
