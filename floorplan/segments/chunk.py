@@ -12,8 +12,10 @@ from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, IngestedScan, Problem, Sensor, SensorKind
 from floorplan.model.segment import NO_SEGMENT, EvidencePoints, FreePatches, Segments
 from floorplan.readers.base import BadFrame
+from floorplan.segments.fit import Column
 from floorplan.segments.frame import segment_frame
 from floorplan.segments.values import SegmentedChunk, SegmentedFrame
+from floorplan.segments.values_of_frames import evidence_of_frames, fits_of_frames, patches_of_frames, segments_of_frames
 
 
 def grid_stride(sensor: Sensor, config: SegmentsConfig) -> int:
@@ -39,16 +41,17 @@ def segment_chunk(
 
 
 def _joined(frames: Sequence[SegmentedFrame], index: Array, problems: tuple[Problem, ...]) -> SegmentedChunk:
+    fits = fits_of_frames(frames)
     return SegmentedChunk(
         index,
         np.array([f.rotation.world_from_sensor for f in frames]).reshape(-1, 3, 3),
         np.array([f.rotation.yaw_sigma_rad for f in frames]),
         np.array([f.rotation.measured for f in frames], dtype=bool),
-        join_segments([f.segments for f in frames]),
-        np.concatenate([np.zeros(0), *(f.ripple_m2 for f in frames)]),
-        np.concatenate([np.zeros(0), *(f.blocks for f in frames)]),
-        join_patches([f.free_patches for f in frames]),
-        join_evidence([f.evidence for f in frames], [len(f.segments) for f in frames]),
+        segments_of_frames(frames),
+        fits[:, Column.RIPPLE],
+        fits[:, Column.BLOCKS],
+        patches_of_frames(frames),
+        evidence_of_frames(frames),
         problems,
     )
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from floorplan.model.checks import Array
 from floorplan.model.segment import Segments
+from floorplan.non_negative import non_negative_least_squares
 
 _OTHER_VIEW_RAD, _OTHER_VIEW_M = np.deg2rad(8.0), 0.25  # so that the sensor's pattern lies elsewhere on the surface
 _MOST_TOGETHER = 8  # parallel segments in one keyframe that are compared with each other
@@ -98,13 +99,11 @@ def _seen_together(segments: Segments) -> tuple[Array, Array]:
 
 def _variance_sizes(square: Array, parts: Array) -> Array:
     """The non-negative sizes (C,) with `square (N,)` on average `parts (N, C) @ sizes`: each row weighed by what is expected of it."""
-    from scipy.optimize import nnls
-
     expected = np.full(len(square), np.median(square) + _LEAST_M2)
     use = np.ones(len(square), dtype=bool)
     sizes = np.zeros(parts.shape[1])
     for _ in range(_ROUNDS):
-        sizes, _norm = nnls(parts[use] / expected[use, None], square[use] / expected[use] / _KEPT_VARIANCE)
+        sizes = non_negative_least_squares(parts[use] / expected[use, None], square[use] / expected[use] / _KEPT_VARIANCE)
         expected = np.maximum(parts @ sizes, _LEAST_M2)
         use = square < _STRAY**2 * expected
     return np.asarray(sizes)

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
+from floorplan.compiled import compiled
 from floorplan.model.checks import Array
-from floorplan.model.segment import EvidencePoints
+from floorplan.segments.values import ThinnedPoints
 
 
-def thin(points: Array, weight: Array, segment_of_pixel: Array, frame: int, wanted: int, pixels_per_point: float) -> EvidencePoints:
+def thin(points: Array, weight: Array, segment_of_pixel: Array, frame: int, wanted: int, pixels_per_point: float) -> ThinnedPoints:
     """About `wanted` points on a regular sub-grid that shifts from frame to frame, each standing for the pixels around it.
 
     `pixels_per_point`: pixels of the full image per pixel of this grid. A sweep (one row) keeps all its beams.
@@ -16,13 +17,21 @@ def thin(points: Array, weight: Array, segment_of_pixel: Array, frame: int, want
     height, width = weight.shape
     step = 1 if height == 1 else max(1, round(math.sqrt(height * width / wanted)))
     row, column = (frame * 7) % step, (frame * 3) % step  # another phase in each frame: the set covers what one grid would miss
-    rows = slice(row, None, step) if height > 1 else slice(None)
-    columns = slice(column, None, step)
-    seen = weight[rows, columns] > 0
-    kept = points[rows, columns][seen]
-    return EvidencePoints(
-        np.array([0, len(kept)]),
-        kept,
-        segment_of_pixel[rows, columns][seen],
-        np.full(len(kept), step * step * pixels_per_point if height > 1 else pixels_per_point, np.float32),
-    )
+    return ThinnedPoints(*_every(points, weight, segment_of_pixel, step, row, column), step * step * pixels_per_point)
+
+
+@compiled
+def _every(points: Array, weight: Array, segment_of_pixel: Array, step: int, row: int, column: int) -> tuple[Array, Array]:
+    """Points (P, 3) and segments (P,) of every `step`-th pixel that was seen."""
+    height, width = weight.shape
+    most = ((height - 1) // step + 1) * ((width - 1) // step + 1)
+    kept, segment = np.empty((most, 3), np.float32), np.empty(most, np.int32)
+    count = 0
+    for i in range(row, height, step):
+        for j in range(column, width, step):
+            if weight[i, j] > 0:
+                for a in range(3):
+                    kept[count, a] = points[i, j, a]
+                segment[count] = segment_of_pixel[i, j]
+                count += 1
+    return kept[:count].copy(), segment[:count].copy()

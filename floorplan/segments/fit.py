@@ -28,14 +28,14 @@ class Column:
 
 
 @compiled
-def mode_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
-    """The densest coordinate: weighted histogram of 1 cm, window of about one standard deviation."""
+def mode_offset(coordinate: Array, weight: Array, sigma: float) -> float:
+    """The densest coordinate: weighted histogram of 1 cm, window of about one (mean) standard deviation `sigma`."""
     low, high = coordinate.min(), coordinate.max()
     bins = int((high - low) / BIN_M) + 1
     histogram = np.zeros(bins)
     for k in range(len(coordinate)):
         histogram[int((coordinate[k] - low) / BIN_M)] += weight[k]
-    half = int(sigma.mean() / BIN_M + 0.5)
+    half = int(sigma / BIN_M + 0.5)
     best, best_sum = 0, -1.0
     for b in range(bins):
         total = histogram[max(b - half, 0) : b + half + 1].sum()
@@ -45,7 +45,7 @@ def mode_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
 
 
 @compiled
-def ransac_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
+def ransac_offset(coordinate: Array, weight: Array, gate: Array) -> float:
     """Of a fixed number of pixels, the one on whose plane most others lie (a plane of known normal needs one pixel)."""
     count = len(coordinate)
     best, most = coordinate[0], -1.0
@@ -55,7 +55,7 @@ def ransac_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
         candidate = coordinate[int((state >> np.uint64(33)) % np.uint64(count))]
         inliers = 0.0
         for k in range(count):
-            if abs(coordinate[k] - candidate) < INLIER_SIGMAS * sigma[k]:
+            if abs(coordinate[k] - candidate) < gate[k]:
                 inliers += weight[k]
         if inliers > most:
             best, most = candidate, inliers
@@ -64,75 +64,114 @@ def ransac_offset(coordinate: Array, weight: Array, sigma: Array) -> float:
 
 @compiled
 def fit_components(
-    points: Array, weight: Array, noise_m: Array, axis_of: Array, start: Array, order: Array, rotation: Array, ransac: bool
+    points: Array, weight: Array, noise_m: Array, label: Array, start: Array, order: Array, rotation: Array, ransac: bool
 ) -> tuple[Array, Array]:
-    """One row of `Column` per component, the offset along its axis relative to the sensor; and each pixel's component
-    (H, W) int32 where it is an inlier, else -1."""
+    """One row of `Column` per component, the offset along its axis (label // 2) relative to the sensor; and each pixel's component
+    (H, W) int32 where it is an inlier, else -1. Components off the axes keep a row of zeros."""
     inlier_of = np.full(weight.size, -1, np.int32)
-    fits = np.zeros((len(axis_of), COLUMNS))
+    fits = np.zeros((len(label), COLUMNS))
     flat_points, flat_weight, flat_noise = points.reshape(-1, 3), weight.ravel(), noise_m.ravel()
-    width = points.shape[1]
-    for c in range(len(axis_of)):
+    largest = 0
+    for c in range(len(label)):
+        largest = max(largest, start[c + 1] - start[c])
+    room, place = np.empty((3, largest)), np.empty((4, largest), np.float32)
+    for c in range(len(label)):
+        if label[c] >= 2 * len(rotation):
+            continue
         pixels = order[start[c] : start[c + 1]]
-        axis = rotation[axis_of[c]]
         count = len(pixels)
-        coordinate, w, sigma = np.empty(count), np.empty(count), np.empty(count)
-        for k in range(count):
-            x, y, z = flat_points[pixels[k], 0], flat_points[pixels[k], 1], flat_points[pixels[k], 2]
-            coordinate[k] = axis[0] * x + axis[1] * y + axis[2] * z
-            rho = math.sqrt(x * x + y * y + z * z)
-            across = flat_noise[pixels[k]] * max(abs(coordinate[k]) / rho, LEAST_COS)
-            sigma[k] = math.sqrt(across * across + FLOOR_M * FLOOR_M)
-            w[k] = flat_weight[pixels[k]] / (sigma[k] * sigma[k])
-        offset = ransac_offset(coordinate, w, sigma) if ransac else mode_offset(coordinate, w, sigma)
-        for _ in range(_REFINEMENTS):
-            total, mean = 0.0, 0.0
-            for k in range(count):
-                if abs(coordinate[k] - offset) < INLIER_SIGMAS * sigma[k]:
-                    total += w[k]
-                    mean += w[k] * coordinate[k]
-            if total > 0:
-                offset = mean / total
-        for k in range(count):
-            if abs(coordinate[k] - offset) < INLIER_SIGMAS * sigma[k]:
-                inlier_of[pixels[k]] = c
-        _moments(flat_points, pixels, coordinate, w, sigma, offset, fits[c])
+        coordinate, w, gate = room[0, :count], room[1, :count], room[2, :count]
+        axis = label[c] // 2
+        mean_sigma = _coordinates(flat_points, flat_weight, flat_noise, pixels, rotation[axis], coordinate, w, gate)
+        offset = ransac_offset(coordinate, w, gate) if ransac else mode_offset(coordinate, w, mean_sigma)
+        offset = _refined(coordinate, w, gate, offset)
+        inliers = pixels.copy()
+        kept = _kept(flat_points, flat_noise, inliers, coordinate, w, gate, offset, place)
+        for k in range(kept):
+            inlier_of[inliers[k]] = c
+        _moments(place[:, :kept], w[:kept], offset, count, fits[c])
         if fits[c, 1] > 0:
-            _take_out_noise(flat_points, flat_noise, pixels, coordinate, w, sigma, rotation, axis_of[c], fits[c])
-            _block_statistics(flat_points, pixels, coordinate, w, sigma, width, rotation, axis_of[c], fits[c])
+            _take_out_noise(place[:, :kept], w[:kept], rotation, axis, fits[c])
+            _block_statistics(place[:, :kept], inliers[:kept], coordinate, w, points.shape[1], rotation, axis, fits[c])
     return fits, inlier_of.reshape(weight.shape)
 
 
 @compiled
-def _moments(points: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, offset: float, row: Array) -> None:
-    """Count, weight, centroid and scatter of the inliers into `row`."""
-    mean, square = np.zeros(3), np.zeros(6)
-    total, inliers = 0.0, 0
+def _coordinates(
+    points: Array, weight: Array, noise: Array, pixels: Array, axis: Array, coordinate: Array, w: Array, gate: Array
+) -> float:
+    """Of one component's pixels the coordinate along `axis`, the weight and how far off an inlier may be; the mean standard deviation."""
+    total = 0.0
     for k in range(len(pixels)):
-        if abs(coordinate[k] - offset) >= INLIER_SIGMAS * sigma[k]:
-            continue
-        x, y, z = points[pixels[k], 0], points[pixels[k], 1], points[pixels[k], 2]
+        p = pixels[k]
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        coordinate[k] = axis[0] * x + axis[1] * y + axis[2] * z
+        rho = math.sqrt(x * x + y * y + z * z)
+        across = noise[p] * max(abs(coordinate[k]) / rho, LEAST_COS)
+        sigma = math.sqrt(across * across + FLOOR_M * FLOOR_M)
+        w[k] = weight[p] / (sigma * sigma)
+        gate[k] = INLIER_SIGMAS * sigma
+        total += sigma
+    return total / len(pixels)
+
+
+@compiled
+def _refined(coordinate: Array, w: Array, gate: Array, offset: float) -> float:
+    """The weighted mean of the inliers, and again of the inliers about it."""
+    for _ in range(_REFINEMENTS):
+        total, mean, before = 0.0, 0.0, offset
+        for k in range(len(coordinate)):
+            if abs(coordinate[k] - offset) < gate[k]:
+                total += w[k]
+                mean += w[k] * coordinate[k]
+        if total > 0:
+            offset = mean / total
+        if offset == before:
+            break
+    return offset
+
+
+@compiled
+def _kept(
+    points: Array, noise: Array, pixels: Array, coordinate: Array, w: Array, gate: Array, offset: float, place: Array
+) -> int:
+    """The inliers moved to the front of `pixels`, `coordinate` and `w`, their x, y, z and noise into `place (4, K)`; how many there are."""
+    kept = 0
+    for k in range(len(pixels)):
+        if abs(coordinate[k] - offset) < gate[k]:
+            p = pixels[k]
+            pixels[kept], coordinate[kept], w[kept] = p, coordinate[k], w[k]
+            place[0, kept], place[1, kept], place[2, kept], place[3, kept] = points[p, 0], points[p, 1], points[p, 2], noise[p]
+            kept += 1
+    return kept
+
+
+@compiled
+def _moments(place: Array, w: Array, offset: float, pixels: int, row: Array) -> None:
+    """Count, weight, centroid and scatter of the inliers among `pixels` into `row`."""
+    total, mx, my, mz = 0.0, 0.0, 0.0, 0.0
+    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(len(w)):
+        x, y, z = place[0, k], place[1, k], place[2, k]
         total += w[k]
-        inliers += 1
-        mean[0] += w[k] * x
-        mean[1] += w[k] * y
-        mean[2] += w[k] * z
-        square[0] += w[k] * x * x
-        square[1] += w[k] * x * y
-        square[2] += w[k] * x * z
-        square[3] += w[k] * y * y
-        square[4] += w[k] * y * z
-        square[5] += w[k] * z * z
+        wx, wy, wz = w[k] * x, w[k] * y, w[k] * z
+        mx += wx
+        my += wy
+        mz += wz
+        xx += wx * x
+        xy += wx * y
+        xz += wx * z
+        yy += wy * y
+        yz += wy * z
+        zz += wz * z
     if total <= 0:
         return
-    row[0], row[1] = inliers, total
-    mean /= total
-    square /= total
-    row[2:5] = mean
-    row[5], row[6], row[7] = square[0] - mean[0] * mean[0], square[1] - mean[0] * mean[1], square[2] - mean[0] * mean[2]
-    row[8], row[9], row[10] = square[3] - mean[1] * mean[1], square[4] - mean[1] * mean[2], square[5] - mean[2] * mean[2]
+    mx, my, mz = mx / total, my / total, mz / total
+    row[0], row[1], row[2], row[3], row[4] = len(w), total, mx, my, mz
+    row[5], row[6], row[7] = xx / total - mx * mx, xy / total - mx * my, xz / total - mx * mz
+    row[8], row[9], row[10] = yy / total - my * my, yz / total - my * mz, zz / total - mz * mz
     row[11] = offset
-    row[13] = inliers / len(pixels)
+    row[13] = len(w) / pixels
 
 
 @compiled
@@ -151,24 +190,21 @@ def _inclination(row: Array, r: Array, axis: int) -> tuple[Array, Array]:
 
 
 @compiled
-def _take_out_noise(
-    points: Array, noise: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, r: Array, axis: int, row: Array
-) -> None:
+def _take_out_noise(place: Array, w: Array, r: Array, axis: int, row: Array) -> None:
     """Noise moves a point along its ray: across the surface and along it at once, which leans a surface seen at an angle towards the
     sensor at its far end. The scatter in `row` without it; of the expected noise no more than the inliers show across."""
-    part = np.zeros(6)
-    for k in range(len(pixels)):
-        if abs(coordinate[k] - row[11]) >= INLIER_SIGMAS * sigma[k]:
-            continue
-        x, y, z = points[pixels[k], 0], points[pixels[k], 1], points[pixels[k], 2]
-        v = w[k] * noise[pixels[k]] ** 2 / (x * x + y * y + z * z)
-        part[0] += v * x * x
-        part[1] += v * x * y
-        part[2] += v * x * z
-        part[3] += v * y * y
-        part[4] += v * y * z
-        part[5] += v * z * z
-    part /= row[1]
+    xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(len(w)):
+        x, y, z = place[0, k], place[1, k], place[2, k]
+        v = w[k] * place[3, k] ** 2 / (x * x + y * y + z * z)
+        vx, vy, vz = v * x, v * y, v * z
+        xx += vx * x
+        xy += vx * y
+        xz += vx * z
+        yy += vy * y
+        yz += vy * z
+        zz += vz * z
+    part = np.array((xx, xy, xz, yy, yz, zz)) / row[1]
     gradient, _ = _inclination(row, r, axis)
     lean = r[axis] - gradient
     seen, expected = _square(row[5:11], lean), _square(part, r[axis])
@@ -189,7 +225,7 @@ def _square(six: Array, n: Array) -> float:
 
 @compiled
 def _block_statistics(
-    points: Array, pixels: Array, coordinate: Array, w: Array, sigma: Array, width: int, r: Array, axis: int, row: Array
+    place: Array, pixels: Array, coordinate: Array, w: Array, width: int, r: Array, axis: int, row: Array
 ) -> None:
     """Variance of the offset that counts a block of pixels as one reading, and the ripple: what blocks differ by beyond pixel noise.
 
@@ -200,14 +236,14 @@ def _block_statistics(
     first_row = pixels[0] // width // BLOCK_PX
     count = (pixels[-1] // width // BLOCK_PX - first_row + 1) * columns
     weights, sums, pixels_in = np.zeros(count), np.zeros(count), np.zeros(count)
-    square = 0.0
+    square, i = 0.0, pixels[0] // width
     for k in range(len(pixels)):
-        if abs(coordinate[k] - row[11]) >= INLIER_SIGMAS * sigma[k]:
-            continue
+        while pixels[k] >= (i + 1) * width:  # pixels come in raster order: no division
+            i += 1
         error = coordinate[k] - row[11]
         for a in range(3):
-            error -= gradient[a] * (points[pixels[k], a] - centre[a])
-        b = (pixels[k] // width // BLOCK_PX - first_row) * columns + (pixels[k] % width) // BLOCK_PX
+            error -= gradient[a] * (place[a, k] - centre[a])
+        b = (i // BLOCK_PX - first_row) * columns + (pixels[k] - i * width) // BLOCK_PX
         weights[b] += w[k]
         sums[b] += w[k] * error
         pixels_in[b] += 1

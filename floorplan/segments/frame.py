@@ -14,13 +14,12 @@ from floorplan.grid.components import Components, connected_components
 from floorplan.grid.normals import SurfaceNormals, pixel_weights, surface_normals
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, Sensor, SensorKind
-from floorplan.model.segment import Segments
 from floorplan.segments.evidence import thin
 from floorplan.segments.fit import Column, fit_components
 from floorplan.segments.free_patches import off_axis_patches
-from floorplan.segments.labels import Labels, label_by_normals
-from floorplan.segments.support import extents_and_areas, grow
-from floorplan.segments.values import FrameRotation, SegmentedFrame
+from floorplan.segments.labels import OFF_AXIS, Labels, label_by_normals
+from floorplan.segments.support import extents_and_areas, grow, renumbered
+from floorplan.segments.values import FrameRotation, PlaneRows, SegmentedFrame
 from floorplan.segments.vote import label_by_vote
 
 _YAW_HALF_WIDTH_RAD = math.radians(3.0)
@@ -28,11 +27,9 @@ _WEAK_SHARE = 0.15  # of the upright surface: fewer agree by chance
 _LEAST_COMPONENT_PX = 40
 _LEAST_SWEEP_BEAMS = 5
 _YAW_PIXEL_STEP = 2  # the frame's own yaw is only a first guess here: a quarter of its pixels will do
-_SCATTER_MATRIX = Column.SCATTER + np.array((0, 1, 2, 1, 3, 4, 2, 4, 5))  # xx xy xz yy yz zz to a whole matrix
 _MAX_TILT = math.tan(math.radians(4.0))  # a segment further off its axis belongs to another surface
 _TILT_SIGMAS = 2.0
 _LEAST_INLIER_SHARE = 0.5
-_MODEL_BLOCKS = 4.0  # the noise model counts like so many blocks in a segment's variance
 _GROWTH_ROUNDS = 6  # pixels: the half window a normal cannot reach
 
 
@@ -65,21 +62,15 @@ def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor,
     weight = pixel_weights(points, frame.confidence)
     normals = surface_normals(points, weight, sensor, prior.noise, config.window_m, math.radians(config.normal_sigma_deg))
     rotation = _frame_rotation(normals, prior, index)
-    labels = _labels(points, normals, look, rotation.world_from_sensor, config)
-    least = _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
-    components = connected_components(labels.label, labels.world_m, labels.gate_m, least)
-    fits, kept, inlier_of = _planes(points, normals, components, rotation.world_from_sensor, config)
-    axis, index_of_pixel = components.label[kept] // 2, _renumbered(inlier_of, kept, len(components.label))
     r = rotation.world_from_sensor
-    grown = grow(points, normals.normal, weight, normals.noise_m, r, index_of_pixel, axis, fits[:, Column.OFFSET], _GROWTH_ROUNDS)
-    extent, area = extents_and_areas(points, r, grown, len(axis), look.ray_step_rad, look.camera)
-    keep = _large_enough(extent, area, axis, look, config)
-    segments = _segments(index, components.label[kept][keep], fits[keep], extent[keep], area[keep], look)
-    grown = _renumbered(grown, keep, len(keep))
-    patches = off_axis_patches(components, points, normals.noise_m, r, index, look.pixels_per_point)
-    evidence = thin(points, weight, grown, index, config.evidence_points, look.pixels_per_point)
-    ripple, blocks = fits[keep, Column.RIPPLE], fits[keep, Column.BLOCKS]
-    return SegmentedFrame(rotation, segments, ripple, blocks, patches, evidence, labels.label, grown)
+    labels = _labels(points, normals, look, r, config)
+    components = connected_components(
+        labels.label, labels.coordinate_m, labels.gate_m, _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
+    )
+    planes, segment_of_pixel = _planes(points, normals, components, look, r, config)
+    patches = off_axis_patches(components, points, normals.noise_m, r)
+    evidence = thin(points, weight, segment_of_pixel, index, config.evidence_points, look.pixels_per_point)
+    return SegmentedFrame(index, look.pixels_per_point, rotation, planes, patches, evidence, labels.label, segment_of_pixel)
 
 
 def _look(points: Array, sensor: Sensor) -> Look:
@@ -108,19 +99,33 @@ def _labels(points: Array, normals: SurfaceNormals, look: Look, rotation: Array,
 
 
 def _planes(
-    points: Array, normals: SurfaceNormals, components: Components, rotation: Array, config: SegmentsConfig
-) -> tuple[Array, Array, Array]:
-    """Fits of the axis-aligned components that are planes, which components those are, and the component of each inlying pixel."""
-    axis = np.minimum(components.label // 2, 2).astype(np.int64)
-    ransac = config.method == "vote"
-    fits, inlier_of = fit_components(
-        points, normals.weight, normals.noise_m, axis, components.start, components.order, rotation, ransac
-    )
-    plane = (components.label < 6) & (fits[:, Column.SHARE] >= _LEAST_INLIER_SHARE) & (fits[:, Column.COUNT] >= _LEAST_SWEEP_BEAMS)
-    facing = np.where(components.label % 2 == 1, 1, -1)
-    plane &= facing * fits[:, Column.OFFSET] < 0  # a surface is seen from the side it faces
-    plane &= _tilt_is_small(fits, axis, rotation)
-    return fits[plane], plane, inlier_of
+    points: Array, normals: SurfaceNormals, components: Components, look: Look, r: Array, config: SegmentsConfig
+) -> tuple[PlaneRows, Array]:
+    """The axis-aligned components that are planes and large enough, up to their edges; and which of them each pixel is on (H, W), or -1."""
+    label, weight, noise_m = components.label, normals.weight, normals.noise_m
+    fits, inlier_of = fit_components(points, weight, noise_m, label, components.start, components.order, r, config.method == "vote")
+    plane = _is_plane(fits, label, r)
+    label, fits, index = label[plane], fits[plane], renumbered(inlier_of, _consecutive(plane))
+    grown = grow(points, normals.normal, weight, noise_m, r, index, label // 2, fits[:, Column.OFFSET].copy(), _GROWTH_ROUNDS)
+    extent, area = extents_and_areas(points, r, grown, label // 2, look.ray_step_rad, look.camera)
+    keep = _large_enough(extent, area, label // 2, look, config)
+    return PlaneRows(label[keep], fits[keep], extent[keep], area[keep]), renumbered(grown, _consecutive(keep))
+
+
+def _consecutive(kept: Array) -> Array:
+    """New numbers (C,) of those kept, -1 for the others."""
+    return np.where(kept, np.cumsum(kept) - 1, -1).astype(np.int32)
+
+
+@compiled
+def _is_plane(fits: Array, label: Array, rotation: Array) -> Array:
+    """Whether each component (C,) is a plane of its label: seen from the side it faces, flat, and inclined no more than noise allows."""
+    plane = _tilt_is_small(fits, np.minimum(label // 2, 2), rotation)
+    for c in range(len(fits)):
+        count, offset, share = fits[c, 0], fits[c, 11], fits[c, 13]  # `Column.COUNT`, `.OFFSET`, `.SHARE`
+        plane[c] &= label[c] < OFF_AXIS and share >= _LEAST_INLIER_SHARE and count >= _LEAST_SWEEP_BEAMS
+        plane[c] &= offset < 0 if label[c] % 2 == 1 else offset > 0
+    return plane
 
 
 @compiled
@@ -148,36 +153,6 @@ def _covariance(row: Array, first: Array, second: Array) -> float:
     return float(first[0] * u + first[1] * v + first[2] * w)
 
 
-def _renumbered(index: Array, kept: Array, count: int) -> Array:
-    """`index` with the numbers of the kept components made consecutive and those of the others NO_COMPONENT (-1)."""
-    number = np.full(count + 1, -1, np.int32)
-    number[:-1][kept] = np.arange(np.count_nonzero(kept), dtype=np.int32)
-    return np.asarray(number[index])
-
-
-def _segments(index: int, label: Array, fits: Array, extent: Array, area: Array, look: Look) -> Segments:
-    count = len(fits)
-    axis = label // 2
-    return Segments(
-        np.full(count, index),
-        axis,
-        np.where(label % 2 == 1, 1, -1),
-        fits[:, Column.OFFSET],
-        np.sqrt(_offset_variance(fits)),
-        np.round(fits[:, Column.COUNT] * look.pixels_per_point).astype(np.int32),
-        area[np.arange(count), axis],
-        extent,
-        fits[:, Column.CENTROID : Column.CENTROID + 3],
-        fits[:, _SCATTER_MATRIX].reshape(count, 3, 3),
-    )
-
-
-def _offset_variance(fits: Array) -> Array:
-    """Variance of the offsets: from the blocks as far as there are any, else what the noise model says."""
-    blocks, model = fits[:, Column.BLOCKS], 1 / np.maximum(fits[:, Column.WEIGHT], 1e-12)
-    return np.asarray((blocks * fits[:, Column.VARIANCE] + _MODEL_BLOCKS * model) / (blocks + _MODEL_BLOCKS))
-
-
 def _large_enough(extent_m: Array, area_m2: Array, axis: Array, look: Look, config: SegmentsConfig) -> Array:
     row = np.arange(len(axis))
     side = extent_m[:, :, 1] - extent_m[:, :, 0]
@@ -185,4 +160,4 @@ def _large_enough(extent_m: Array, area_m2: Array, axis: Array, look: Look, conf
     longest = side.max(axis=1, initial=0.0)
     if look.sweep:
         return np.asarray(longest >= config.min_sweep_extent_m)
-    return np.asarray((longest >= config.min_extent_m) & (area_m2[row, axis] >= config.min_area_m2))
+    return np.asarray((longest >= config.min_extent_m) & (area_m2 >= config.min_area_m2))

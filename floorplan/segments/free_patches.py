@@ -16,24 +16,25 @@ _MIN_OFF_AXIS_RAD = math.radians(5.0)
 _MAX_RMS_SIGMAS = 2.0  # a curved or stepped surface fits worse than its noise
 _FLOOR_M = 0.01
 _TRIM = 0.01
-_COLUMNS = 9  # of a patch: normal yaw, start x y, end x y, height low high, sigma, points
+COLUMNS = 9  # of a patch: normal yaw, start x y, end x y, height low high, sigma, points
 
 
-def off_axis_patches(
-    components: Components, points: Array, noise_m: Array, world_from_sensor: Array, frame: int, pixels_per_point: float
-) -> FreePatches:
-    """The straight ones among the components labelled OFF_AXIS."""
+def off_axis_patches(components: Components, points: Array, noise_m: Array, world_from_sensor: Array) -> Array:
+    """One row of `COLUMNS` per straight one among the components labelled OFF_AXIS."""
     rows = _lines(components.label, components.start, components.order, points.reshape(-1, 3), noise_m.ravel(), world_from_sensor)
-    if points.shape[0] > 1:
-        rows = rows[rows[:, 6] - rows[:, 5] >= _MIN_HEIGHT_M]
+    return np.asarray(rows[rows[:, 6] - rows[:, 5] >= _MIN_HEIGHT_M]) if len(points) > 1 else rows
+
+
+def patches_of(rows: Array, frame: Array, pixels_per_point: Array) -> FreePatches:
+    """The patches of `rows (Q, COLUMNS)`, seen in keyframes `frame (Q,)` whose points stand for `pixels_per_point (Q,)` pixels."""
     count = np.round(rows[:, 8] * pixels_per_point)
-    return FreePatches(np.full(len(rows), frame), rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5:7], rows[:, 7], count)
+    return FreePatches(frame, rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5:7], rows[:, 7], count)
 
 
 @compiled
 def _lines(label: Array, start: Array, order: Array, points: Array, noise_m: Array, r: Array) -> Array:
-    """One row of `_COLUMNS` per component that is a straight line in plan."""
-    rows = np.empty((np.count_nonzero(label == OFF_AXIS), _COLUMNS))
+    """One row of `COLUMNS` per component that is a straight line in plan."""
+    rows = np.empty((np.count_nonzero(label == OFF_AXIS), COLUMNS))
     count = 0
     for c in range(len(label)):
         if label[c] == OFF_AXIS and _line(points, order[start[c] : start[c + 1]], noise_m, r, rows[count]):

@@ -24,29 +24,28 @@ _GATE_M, _GATE_SIGMAS = 0.015, 0.5  # step between neighbouring pixels of the FI
 
 @dataclass(frozen=True)
 class Labels:
-    """`label (H, W) int8`; `world_m (H, W, 3) float32` where each labelled pixel's surface is, in world axes about the
-    sensor; `gate_m (H, W)` how far neighbours on one surface may differ."""
+    """`label (H, W) int8`; `coordinate_m (H, W, 2) float32` where each labelled pixel's surface is, in world axes about the sensor:
+    along the label's axis (the second is not set), or x and y of those off the axes; `gate_m (H, W)` how far neighbours on one
+    surface may differ."""
 
     label: Array
-    world_m: Array
+    coordinate_m: Array
     gate_m: Array
 
 
 def label_by_normals(points: Array, normals: SurfaceNormals, world_from_sensor: Array, tolerance_rad: float) -> Labels:
     """The axis within `tolerance_rad` of each pixel's normal."""
-    label, world = _label(
-        points, normals.normal, normals.range_m, normals.sigma_rad, normals.residual_m, normals.noise_m, world_from_sensor, tolerance_rad
-    )
-    return Labels(label, world, _GATE_M + _GATE_SIGMAS * normals.noise_m)
+    n = normals
+    return Labels(*_label(points, n.normal, n.range_m, n.sigma_rad, n.residual_m, n.noise_m, world_from_sensor, tolerance_rad))
 
 
 @compiled
 def _label(
     points: Array, normal: Array, range_m: Array, sigma_rad: Array, residual_m: Array, noise_m: Array, r: Array, tolerance_rad: float
-) -> tuple[Array, Array]:
+) -> tuple[Array, Array, Array]:
     height, width, _ = normal.shape
     labels = np.full((height, width), UNLABELLED, np.int8)
-    world = np.empty((height, width, 3), np.float32)
+    coordinate, gate = np.empty((height, width, 2), np.float32), np.empty((height, width), np.float32)
     for i in range(height):
         for j in range(width):
             sigma = sigma_rad[i, j]
@@ -68,6 +67,8 @@ def _label(
             labels[i, j] = label
             x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
             fitted = range_m[i, j] / math.sqrt(x * x + y * y + z * z)
-            for a in range(3):
-                world[i, j, a] = (r[a, 0] * x + r[a, 1] * y + r[a, 2] * z) * fitted
-    return labels, world
+            first, last = (label // 2, label // 2) if label < OFF_AXIS else (0, 1)
+            for a in range(first, last + 1):
+                coordinate[i, j, a - first] = (r[a, 0] * x + r[a, 1] * y + r[a, 2] * z) * fitted
+            gate[i, j] = np.float32(_GATE_M) + np.float32(_GATE_SIGMAS) * noise_m[i, j]
+    return labels, coordinate, gate

@@ -9,6 +9,7 @@ from floorplan.model.checks import Array
 from floorplan.segments.fit import FLOOR_M, INLIER_SIGMAS, LEAST_COS
 
 _MIN_COS_GROWN = 0.8  # a pixel whose own surface points elsewhere (37 degrees) belongs to something else
+_SURELY_OFF = 1.0001  # noise across a surface is no more than along the ray: further off, no root is needed to tell
 _TRIM = 0.005  # of the pixels at each end of an extent
 _BINS = 512
 _LEAST_COS_AREA = 0.02  # grazing pixels count with 50 times their solid angle at most
@@ -22,12 +23,25 @@ def _on_plane(
         return False
     x, y, z = points[i, j, 0], points[i, j, 1], points[i, j, 2]
     coordinate = rotation[axis, 0] * x + rotation[axis, 1] * y + rotation[axis, 2] * z
+    most = noise[i, j] * noise[i, j] + FLOOR_M * FLOOR_M
+    if (coordinate - offset) ** 2 > _SURELY_OFF * INLIER_SIGMAS * INLIER_SIGMAS * most:
+        return False
     rho = math.sqrt(x * x + y * y + z * z)
     across = noise[i, j] * max(abs(coordinate) / rho, LEAST_COS)
     if abs(coordinate - offset) > INLIER_SIGMAS * math.sqrt(across * across + FLOOR_M * FLOOR_M):
         return False
     along = abs(rotation[axis, 0] * normal[i, j, 0] + rotation[axis, 1] * normal[i, j, 1] + rotation[axis, 2] * normal[i, j, 2])
     return not along < _MIN_COS_GROWN  # NaN: no normal near an edge, the coordinate decides
+
+
+@compiled
+def renumbered(index: Array, number: Array) -> Array:
+    """`number (C,)` of each pixel's `index (H, W)`; -1 stays."""
+    found = np.empty(index.shape, np.int32)
+    for i in range(index.shape[0]):
+        for j in range(index.shape[1]):
+            found[i, j] = number[index[i, j]] if index[i, j] >= 0 else -1
+    return found
 
 
 @compiled
@@ -75,15 +89,17 @@ def _has_free_neighbour(grown: Array, i: int, j: int) -> bool:
 
 
 @compiled
-def extents_and_areas(points: Array, rotation: Array, grown: Array, count: int, ray_step: float, camera: bool) -> tuple[Array, Array]:
-    """Trimmed boxes (count, 3, 2) in world axes about the sensor, and areas (count, 3), one for each axis the plane may be normal to.
+def extents_and_areas(points: Array, rotation: Array, grown: Array, axis: Array, ray_step: float, camera: bool) -> tuple[Array, Array]:
+    """Trimmed boxes (S, 3, 2) in world axes about the sensor, and areas (S,), of segments normal to `axis (S,)`.
 
     A sweep's area is its length times one metre.
     """
     height, width = grown.shape
+    count = len(axis)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    world = np.empty((height, width, 3), np.float32)
-    area, pixels = np.zeros((count, 3)), np.zeros(count, np.int64)
+    world, segment = np.empty((height * width, 3), np.float32), np.empty(height * width, np.int32)
+    area, pixels = np.zeros(count), np.zeros(count, np.int64)
+    seen = 0
     for i in range(height):
         for j in range(width):
             s = grown[i, j]
@@ -94,22 +110,21 @@ def extents_and_areas(points: Array, rotation: Array, grown: Array, count: int, 
             # Pixels far off a camera's optical axis see a smaller angle.
             patch = rho * ray_step if height == 1 else (rho * ray_step) ** 2 * ((z / rho) ** 3 if camera else 1.0)
             pixels[s] += 1
+            segment[seen] = s
             for a in range(3):
                 q = np.float32(rotation[a, 0] * x + rotation[a, 1] * y + rotation[a, 2] * z)
-                world[i, j, a] = q
+                world[seen, a] = q
                 low[s, a] = min(low[s, a], q)
                 high[s, a] = max(high[s, a], q)
-                area[s, a] += patch / max(float(abs(q) / rho), _LEAST_COS_AREA)
+            area[s] += patch / max(float(abs(world[seen, axis[s]]) / rho), _LEAST_COS_AREA)
+            seen += 1
     histogram = np.zeros((count, 3, _BINS), np.int32)
-    for i in range(height):
-        for j in range(width):
-            s = grown[i, j]
-            if s < 0:
-                continue
-            for a in range(3):
-                span = high[s, a] - low[s, a]
-                b = int((world[i, j, a] - low[s, a]) / span * _BINS) if span > 0 else 0
-                histogram[s, a, min(b, _BINS - 1)] += 1
+    for k in range(seen):
+        s = segment[k]
+        for a in range(3):
+            span = high[s, a] - low[s, a]
+            b = int((world[k, a] - low[s, a]) / span * _BINS) if span > 0 else 0
+            histogram[s, a, min(b, _BINS - 1)] += 1
     extent = np.zeros((count, 3, 2))
     for s in range(count):
         for a in range(3):

@@ -19,19 +19,40 @@ class FrameRotation:
 
 
 @dataclass(frozen=True)
-class SegmentedFrame:
-    """One frame's segments (S rows), off-axis patches, thinned points; `labels` and `segment_of_pixel (H, W)` for pictures.
+class PlaneRows:
+    """The planes of one frame that make its segments (S rows): `label (S,)` axis * 2 + (1 where the surface faces along it), `fit (S, 16)`
+    (see `fit.Column`), `extent_m (S, 3, 2)` trimmed box about the sensor, `area_m2 (S,)`."""
 
-    `ripple_m2 (S,)`: by how much blocks of a segment's pixels lie apart beyond pixel noise (a variance, negative by chance);
-    `blocks (S,)` how many there were.
+    label: Array
+    fit: Array
+    extent_m: Array
+    area_m2: Array
+
+
+@dataclass(frozen=True)
+class ThinnedPoints:
+    """Points of one frame `point_m (P, 3) float32`, sensor axes, each with the frame's `segment (P,)` it lies on or NO_SEGMENT, and
+    standing for `pixels` of the full image."""
+
+    point_m: Array
+    segment: Array
+    pixels: float
+
+
+@dataclass(frozen=True)
+class SegmentedFrame:
+    """What one keyframe shows, in the rows that a chunk's values are made of: planes, off-axis `patches (Q, 9)` (see `free_patches`),
+    thinned points; `labels` and `segment_of_pixel (H, W)` for pictures.
+
+    `frame` counts keyframes; `pixels_per_point`: pixels of the full image per pixel of the grid looked at.
     """
 
+    frame: int
+    pixels_per_point: float
     rotation: FrameRotation
-    segments: Segments
-    ripple_m2: Array
-    blocks: Array
-    free_patches: FreePatches
-    evidence: EvidencePoints
+    planes: PlaneRows
+    patches: Array
+    evidence: ThinnedPoints
     labels: Array
     segment_of_pixel: Array
 
@@ -39,7 +60,8 @@ class SegmentedFrame:
 @dataclass(frozen=True)
 class SegmentedChunk:
     """The segments of some keyframes: `frame (n,)` indices into the keyframes, increasing; `world_from_sensor (n, 3, 3)` the rotations
-    they were labelled under; `ripple_m2 (S,)`, `blocks (S,)` as in `SegmentedFrame`.
+    they were labelled under; `ripple_m2 (S,)`: by how much blocks of a segment's pixels lie apart beyond pixel noise (a variance,
+    negative by chance); `blocks (S,)` how many there were.
     `Segments.frame` and `FreePatches.frame` count keyframes of the whole scan; `evidence.start` and
     `evidence.segment` count within the chunk. A frame that could not be read is in `problems` and has no segments.
     """

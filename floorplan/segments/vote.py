@@ -19,8 +19,8 @@ _GATE_M, _GATE_SIGMAS = 0.015, 3.0  # step between neighbouring raw pixels of on
 
 def label_by_vote(points: Array, weight: Array, noise_m: Array, world_from_sensor: Array, ray_step: float, window_m: float) -> Labels:
     """The axis the neighbourhood `window_m` across votes for."""
-    label, world = _vote(points, weight, noise_m, world_from_sensor, ray_step, window_m)
-    return Labels(label, world, _GATE_M + _GATE_SIGMAS * noise_m)
+    label, coordinate = _vote(points, weight, noise_m, world_from_sensor, ray_step, window_m)
+    return Labels(label, coordinate, _GATE_M + _GATE_SIGMAS * noise_m)
 
 
 @compiled
@@ -28,6 +28,7 @@ def _vote(points: Array, weight: Array, noise_m: Array, rotation: Array, ray_ste
     height, width, _ = points.shape
     labels = np.full((height, width), UNLABELLED, np.int8)
     world = np.empty((height, width, 3), np.float32)
+    coordinate = np.empty((height, width, 2), np.float32)
     for i in range(height):
         for j in range(width):
             for a in range(3):
@@ -63,4 +64,5 @@ def _vote(points: Array, weight: Array, noise_m: Array, rotation: Array, ray_ste
             best = np.argmax(votes)
             if votes[best] >= _LEAST_SUPPORT * looked:
                 labels[i, j] = best * 2 + (1 if world[i, j, best] < 0 else 0)
-    return labels, world
+                coordinate[i, j, 0] = world[i, j, best]
+    return labels, coordinate
