@@ -11,8 +11,10 @@ from floorplan import __version__
 from floorplan.config import Config, DrawingConfig, ProjectConfig
 from floorplan.errors import ConfigError, UsageError
 from floorplan.model.checks import Array
+from floorplan.model.normal import NORMAL_95
 from floorplan.model.plan import Plan
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
+from floorplan.model.ties import Calibration
 from floorplan.reporting import Reporter
 from floorplan.results import Results
 from floorplan.summary import Summary
@@ -155,8 +157,23 @@ def sheet_facts(results: Results, table: Summary, scan: Path) -> "SheetFacts":
         drift_m=table.drift.final_m if table.drift else None,
         rows=rows,
         problems=tuple(f"{p.code}: {p.message} ({p.count})" for p in results.problems),
+        calibration=_calibration_words(results.solution.calibration),
         unseen=() if results.plan.upper_storeys else results.plan.notes,
     )
+
+
+def _calibration_words(calibration: Calibration | None) -> str:
+    """What the sheet says of a plan calibrated by tape: how many distances, and what they did to all others; empty without."""
+    used = sum(row.used for row in calibration.rows) if calibration else 0
+    if calibration is None or not used:
+        return ""
+    distances = f"{used} measured distance{'s' if used > 1 else ''}"
+    left_out = len(calibration.rows) - used
+    beside = f" ({left_out} more left out: all else contradicts)" if left_out else ""
+    if calibration.scale == 1:
+        return f"Calibrated by tape with {distances}{beside}; no common factor."
+    interval = NORMAL_95 * calibration.scale_sigma
+    return f"Calibrated by tape with {distances}{beside}; common factor {calibration.scale:.5f} +-{interval:.5f}."
 
 
 def _date(scan: IngestedScan) -> str:

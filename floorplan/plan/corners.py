@@ -76,10 +76,17 @@ def _corner(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: 
         edge = not looks_back and gap > -JAMB_MISMATCH_M and _near_end_m(other, face.offset_m, side) < JAMB_MISMATCH_M
         if is_open and (gap > 2 * MIN_SIDE_M or (gap < -2 * MIN_SIDE_M and not looks_back and not edge)):
             continue
-        nearer = best is None or abs(gap) < abs(best.offset_m - at)
-        if nearer and _reaches_side(other, face.offset_m, side, reach_m):
+        if _reaches_side(other, face.offset_m, side, reach_m) and (best is None or _ends_sooner(other, best, at, direction)):
             best = other
     return best
+
+
+def _ends_sooner(other: FaceRun, best: FaceRun, at_m: float, direction: int) -> bool:
+    """Whether a face is the one to end at rather than the best so far: nothing is seen behind one that looks back, else the nearer one."""
+    looks_back, best_does = other.facing == -direction, best.facing == -direction
+    if looks_back != best_does and (other.offset_m - best.offset_m) * direction * (1 if looks_back else -1) < 0:
+        return looks_back
+    return abs(other.offset_m - at_m) < abs(best.offset_m - at_m)
 
 
 def _reaches_side(face: FaceRun, offset_m: float, side: int, reach_m: float) -> bool:

@@ -2,8 +2,11 @@
 
 import numpy as np
 
+from floorplan.model.checks import Array
 from floorplan.plan.surface_evidence import FINE_CELLS, PlaneEvidence
 
+SMOOTH_CELLS = 3  # fine cells over which the density of hits is taken ...
+SMEAR_CELLS = 10  # ... and how far behind the first hit it is full: 5 cm, more than range noise moves a reading
 SEARCH_CELLS = 3  # the edge is looked for this many cells to both sides of the coarse one
 
 
@@ -19,8 +22,9 @@ def refined_edge_m(evidence: PlaneEvidence, column: int, inward: int, inside: fl
     """Coordinate of the edge near the beginning of `column`, the wall lying towards `inward` (+1 or -1).
 
     It is looked for at most `inside` and `outside` columns away, so that edges of neighbouring pieces cannot cross.
-    The edge that leaves the fewest rays on the wrong side: hits beyond it and passes before it. Between equally
-    good ones, the middle where rays passed beyond (a jamb), else the last hit.
+    The edge that leaves the fewest rays on the wrong side: hits beyond it and passes before it. Between equally good ones, the last
+    hit; where rays passed beyond (a jamb), half the way to them, but no farther than hits lie apart. A surface is seen up to its edge,
+    while rays that cross the opening close to a far jamb end on the jamb's side, too near behind the surface to have passed it.
     """
     before, after = (outside, inside) if inward > 0 else (inside, outside)
     low = max(int((column - min(before, SEARCH_CELLS)) * FINE_CELLS), 0)
@@ -33,6 +37,24 @@ def refined_edge_m(evidence: PlaneEvidence, column: int, inward: int, inside: fl
     wrong = np.concatenate(([0.0], np.cumsum(hits))) + np.concatenate((np.cumsum(passes[::-1])[::-1], [0.0]))
     best = np.flatnonzero(wrong <= wrong.min() + 1e-9)
     seen_beyond = passes[: best[0]].sum() > 0
-    edge = 0.5 * (best[0] + best[-1]) if seen_beyond else float(best[-1])
+    edge = float(best[-1])
+    if seen_beyond:
+        beginning = hits[best[-1] :]
+        unseen = int(best[-1] - best[0])
+        smeared = min(_smeared_cells(beginning), unseen) if unseen > SMOOTH_CELLS else 0
+        edge += smeared if smeared else -min(0.5 * unseen, _hit_spacing(beginning))
     cells = low + edge if inward > 0 else high - edge
     return evidence.along_start_m + cells * evidence.along_step_m / FINE_CELLS
+
+
+def _smeared_cells(hits: Array) -> int:
+    """Cells at the beginning of a surface hit less than half as often as soon after: readings that range noise pushed over its edge."""
+    density = np.convolve(hits, np.ones(SMOOTH_CELLS), mode="valid")
+    if len(density) < 2 * SMEAR_CELLS:
+        return 0
+    return int(np.argmax(density[: SMEAR_CELLS + 1] >= 0.5 * density[SMEAR_CELLS:].mean()))
+
+
+def _hit_spacing(hits: Array) -> float:
+    """How many cells apart the hits of a surface lie on the average."""
+    return len(hits) / max(int(np.count_nonzero(hits)), 1)

@@ -12,7 +12,6 @@ from floorplan.plan.corners import FaceRun
 from floorplan.plan.gaps import OPEN_SHARE, Gap
 from floorplan.plan.surface_evidence import SAME_SURFACE_M
 
-EDGE_SIGMA_M = 0.005  # of one jamb: the grain of the fine ray counts
 AT_END_M = 0.10  # jambs of the two faces are drawn within this of the opening's mean end
 MAX_DOOR_HEAD_M = 2.3  # door leaves end below; what begins higher is a beam or the head of a passage
 RECESS_SHARE = 0.5  # of a gap backed by wall a wall's thickness behind: a recess or the space between piers, no opening
@@ -90,7 +89,8 @@ def _opening(number: int, group: GapGroup, faces: tuple[FaceRun, ...], path: Lin
     if kind is None:
         return None
     spread = max(float(np.ptp([gap.start_m for gap in gaps])), float(np.ptp([gap.end_m for gap in gaps])))
-    sigma = float(np.hypot(np.sqrt(2) * EDGE_SIGMA_M, spread / 2))
+    known = float(np.sqrt(np.mean([gap.width_sigma_m**2 for gap in gaps])))  # both faces' jambs were seen from the same poses: no average
+    sigma = float(np.hypot(known, spread / 2))
     heads = [gap.head_m for gap in gaps if gap.head_m is not None]
     sills = [gap.sill_m for gap in gaps if gap.sill_m is not None]
     return Opening(
@@ -124,6 +124,8 @@ def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool, in_wall: bool) ->
     """Door under a lintel, window over a sill, passage in a wall where nothing is above; None where the evidence does not tell."""
     if not walked and all(gap.is_window for gap in gaps):
         return OpeningKind.WINDOW
+    if not walked and all(gap.furnished for gap in gaps) and any(gap.lintel for gap in gaps):
+        return OpeningKind.WINDOW  # its sill is hidden, but way through it is none
     if not walked and not any(gap.low_open for gap in gaps) and any(gap.lintel is not None for gap in gaps):
         return None  # hidden near the floor: a door or a window, who knows
     heads = [gap.head_m for gap in gaps if gap.head_m is not None]
@@ -132,7 +134,8 @@ def _kind(gaps: tuple[Gap, ...], walked: bool, has_body: bool, in_wall: bool) ->
     if not in_wall:
         return None
     if any(gap.lintel is not None for gap in gaps):
-        return OpeningKind.PASSAGE if has_body or walked else None
+        between_ends = any(gap.after is not None for gap in gaps)  # open to the ceiling up to a wall across: two corridors that cross
+        return OpeningKind.PASSAGE if between_ends and (has_body or walked) else None
     if has_body and walked:
         return OpeningKind.DOOR
     in_one_surface = all(gap.after is not None for gap in gaps)

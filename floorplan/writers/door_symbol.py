@@ -42,7 +42,7 @@ def unit_arc() -> tuple[Point, ...]:
 
 
 def door_symbols(plan: Plan) -> tuple[DoorSymbol, ...]:
-    """One symbol per opening, drawn into the room, and into the smaller one of two rooms, never into a corridor if it can be helped."""
+    """One symbol per opening, drawn into the room, the smaller one of two; beside a corridor into what is no corridor, drawn or not."""
     rooms = [(Polygon(room.outline, room.holes), room.kind == RoomKind.CORRIDOR) for room in plan.rooms]
     return tuple(DoorSymbol(opening, _rotation_deg(opening, rooms)) for opening in plan.openings)
 
@@ -57,8 +57,8 @@ def _rotation_deg(opening: Opening, rooms: list[tuple[Polygon, bool]]) -> float:
 
 
 def _rank(point: Point, rooms: list[tuple[Polygon, bool]]) -> tuple[int, float]:
-    """Sorts sides: rooms by size, then corridors, then nothing known."""
+    """Sorts sides: rooms by size, then what was not seen (off a corridor it is a room nobody entered), then corridors."""
     for polygon, corridor in rooms:
         if polygon.covers(ShapelyPoint(point)):
-            return int(corridor), polygon.area
-    return 2, 0.0
+            return 2 if corridor else 0, polygon.area
+    return 1, 0.0

@@ -16,7 +16,8 @@ class SheetFacts:
     """Scan name, date of the recording (ISO, empty when unknown), software and the numbers of the accuracy statement.
 
     `software` is name and version. `drift_m` is the distance from start to end after the last stage, where the
-    walk returned to its start; `path_m` the length walked. `rows`, `problems` and the unseen parts are worded by the caller.
+    walk returned to its start; `path_m` the length walked. `rows`, `problems`, `calibration` (empty: none) and the unseen parts are
+    worded by the caller.
     """
 
     scan: str = ""
@@ -27,4 +28,5 @@ class SheetFacts:
     drift_m: float | None = None
     rows: tuple[FactRow, ...] = ()
     problems: tuple[str, ...] = ()
+    calibration: str = ""
     unseen: tuple[str, ...] = ()

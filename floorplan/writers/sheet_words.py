@@ -50,6 +50,8 @@ def notes(composition: Composition, facts: SheetFacts) -> tuple[str, ...]:
     """Numbered notes: how to read the drawing, what is outside the model, what could not be seen."""
     plan = composition.plan
     said = ["Distances are face to face, with their 95 % interval from the joint adjustment of the scan."]
+    if facts.calibration:
+        said.append(facts.calibration)
     if any(wall.inferred for wall in plan.walls):
         said.append("Solid lines were seen; dashed lines are inferred.")
     if composition.open_sides:

@@ -65,3 +65,27 @@ def test_the_space_between_two_piers_before_a_wall_is_no_opening() -> None:
     piers: list[Box] = [(1.0, 2.0, 0.0, 0.2, 0.0, CEILING_M), (2.7, 3.7, 0.0, 0.2, 0.0, CEILING_M)]
     plan = room_with(wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, []), piers).plan()
     assert plan.openings == ()
+
+
+def test_a_window_whose_sill_a_cabinet_hides_is_a_window_without_a_sill_height() -> None:
+    sill: Box = (1.5, 2.7, -0.2, 0.0, 0.0, 0.9)
+    cabinet: Box = (1.2, 3.0, 0.05, 0.5, 0.0, 1.0)
+    plan = room_with([*wall_with_gap(1, -0.2, 0.0, -0.2, 5.2, [(1.5, 2.7, 2.1)]), sill], [cabinet]).plan()
+    windows = [opening for opening in plan.openings if opening.kind is OpeningKind.WINDOW]
+    assert [round(window.width_m, 1) for window in windows] == [1.2]
+    assert windows[0].sill_height_m is None
+
+
+def test_where_two_corridors_cross_there_is_no_passage() -> None:
+    """A corridor along x, one along y that begins at it, and walls of rooms about both."""
+    east: Box = (3.6, 6.0, -3.0, 0.0, 0.0, CEILING_M)
+    west: Box = (-2.0, 2.0, -3.0, 0.0, 0.0, CEILING_M)
+    north: Box = (-2.0, 6.0, 1.5, 3.0, 0.0, CEILING_M)
+    ends: list[Box] = [(-2.2, -2.0, 0.0, 1.5, 0.0, CEILING_M), (6.0, 6.2, 0.0, 1.5, 0.0, CEILING_M), (2.0, 3.6, -3.2, -3.0, 0.0, CEILING_M)]
+    path = [(x, 0.7) for x in np.linspace(-1, 5, 7)] + [(2.8, y) for y in (-0.5, -1.5, -2.5)]
+    assert cast([east, west, north, *ends], path).plan().openings == ()
+
+
+def test_the_width_of_an_opening_is_known_as_well_as_rays_passed_close_to_its_jambs() -> None:
+    (walked,) = two_rooms().plan().openings
+    assert 0.012 <= walked.width_sigma_m < 0.03
