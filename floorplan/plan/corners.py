@@ -76,17 +76,26 @@ def _corner(face: FaceRun, faces: tuple[FaceRun, ...], direction: int, reach_m: 
         edge = not looks_back and gap > -JAMB_MISMATCH_M and _near_end_m(other, face.offset_m, side) < JAMB_MISMATCH_M
         if is_open and (gap > 2 * MIN_SIDE_M or (gap < -2 * MIN_SIDE_M and not looks_back and not edge)):
             continue
-        if _reaches_side(other, face.offset_m, side, reach_m) and (best is None or _ends_sooner(other, best, at, direction)):
+        if _reaches_side(other, face.offset_m, side, reach_m) and (best is None or _ends_sooner(face, other, best, direction)):
             best = other
     return best
 
 
-def _ends_sooner(other: FaceRun, best: FaceRun, at_m: float, direction: int) -> bool:
-    """Whether a face is the one to end at rather than the best so far: nothing is seen behind one that looks back, else the nearer one."""
-    looks_back, best_does = other.facing == -direction, best.facing == -direction
-    if looks_back != best_does and (other.offset_m - best.offset_m) * direction * (1 if looks_back else -1) < 0:
-        return looks_back
-    return abs(other.offset_m - at_m) < abs(best.offset_m - at_m)
+def _ends_sooner(face: FaceRun, other: FaceRun, best: FaceRun, direction: int) -> bool:
+    """Whether a face is the one to end at rather than the best so far: the nearer one, but nothing is seen behind one that looks back."""
+    at = face.end_m if direction > 0 else face.start_m
+    before = (best.offset_m - other.offset_m) * direction
+    if before > 0 and _stops(other, face, direction):
+        return True
+    if before < 0 and _stops(best, face, direction):
+        return False
+    return abs(other.offset_m - at) < abs(best.offset_m - at)
+
+
+def _stops(other: FaceRun, face: FaceRun, direction: int) -> bool:
+    """Whether a perpendicular face looks back along another one and goes on across its line, farther than trails of flying points."""
+    beyond = min(face.offset_m - other.start_m, other.end_m - face.offset_m)
+    return other.facing == -direction and beyond > JAMB_MISMATCH_M
 
 
 def _reaches_side(face: FaceRun, offset_m: float, side: int, reach_m: float) -> bool:

@@ -49,9 +49,9 @@ def refined_edge_m(evidence: PlaneEvidence, column: int, inward: int, inside: fl
 
 def _smeared_cells(hits: Array) -> int:
     """Cells at the beginning of a surface hit less than half as often as soon after: readings that range noise pushed over its edge."""
-    density = np.convolve(hits, np.ones(SMOOTH_CELLS), mode="valid")
-    if len(density) < 2 * SMEAR_CELLS:
+    if len(hits) < 2 * SMEAR_CELLS + SMOOTH_CELLS:
         return 0
+    density = np.convolve(hits, np.ones(SMOOTH_CELLS), mode="valid")
     return int(np.argmax(density[: SMEAR_CELLS + 1] >= 0.5 * density[SMEAR_CELLS:].mean()))
 
 

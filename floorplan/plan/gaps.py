@@ -27,7 +27,8 @@ class Gap:
 
     `passed` share of its columns that rays went through at wall height; `lintel` whether it is hit above, None where
     nothing was seen there; `head_m`, `sill_m` heights of its upper and lower edge where seen; `low_open` whether rays
-    went through near the floor, None where nothing was seen there; `furnished` whether something stands before all of it; `width_sigma_m` from how close to its ends rays passed.
+    went through near the floor, None where nothing was seen there; `furnished` whether something
+    stands before all of it; `width_sigma_m` from how close to its ends rays passed.
     """
 
     face: int
