@@ -23,6 +23,7 @@ from floorplan.plan.free_space import free_space
 from floorplan.plan.gaps import Gap, find_gaps
 from floorplan.plan.glazing import as_glazing, glazed_lines
 from floorplan.plan.idle_planes import without_idle_planes
+from floorplan.plan.mullions import mullion_rows, unglazed
 from floorplan.plan.notes import plan_notes, through_glass_notes
 from floorplan.plan.openings import find_openings, with_walls
 from floorplan.plan.outline import gross_outline
@@ -65,7 +66,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     surfaces = wall_surfaces(world, config)
     faces, bodies, gaps = surfaces.faces, surfaces.bodies, surfaces.gaps
     matter = solid(bodies, junction_blocks(bodies))
-    mullioned = glazed_lines(world, faces, config)
+    mullioned = glazed_lines(world, faces, config) + mullion_rows(faces, gaps)
     glazed = mullioned + paned_gaps(world, faces, gaps, mullioned, config)
     through = walls_behind_glass(world, surfaces.evidence, faces, glazed, config)
     drawing = draw_walls(faces + through.faces, bodies, matter, covariance, ids)
@@ -75,7 +76,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     unseen_steps = steps(faces, space, config)
     walls = with_steps(without_columns(drawing, column_faces(columns, faces)), unseen_steps)
     path = world.trajectory.position_m[:, :2]
-    openings = with_walls(find_openings(gaps, faces, path, surfaces.thick, config), walls)
+    openings = with_walls(find_openings(unglazed(gaps, faces, glazed, path), faces, path, surfaces.thick, config), walls)
     bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, unseen_steps, space, path), config)
     level = level_points(world)
     levels = tuple(room_height(room, level, world) for room in bare_rooms)
