@@ -131,4 +131,3 @@ def _result(
         noise=with_steps(noise, solved.position_m),
         made=made,
     )
-

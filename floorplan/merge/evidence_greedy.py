@@ -7,7 +7,7 @@ import numpy as np
 from floorplan.compiled import compiled
 from floorplan.merge.evidence_covariance import PENDING, Joint, column, multiplied_out
 from floorplan.merge.evidence_futures import better_future
-from floorplan.merge.evidence_live import BLOCK, NEVER, Live, best_pair, condition, halves_of_one, join, rivals, score_all, score_block
+from floorplan.merge.evidence_live import BLOCK, NEVER, Live, best_pair, condition, halves_of_one, rivals, score_all, top_of_block
 from floorplan.model.checks import Array
 
 CLEAR = 5.0  # log odds, 150 to 1: a rival weaker by this much (three sigma off) does not make a choice ambiguous
@@ -51,7 +51,7 @@ def decide(question: Question, covariance: Array) -> Decision:
     blocks = -(-count // BLOCK)
     live = Live(
         question.first.astype(np.int32), question.second.astype(np.int32), question.delta_m.copy(), question.variance_m2.copy(),
-        question.log_prior.copy(), np.where(question.apart, NEVER, 0.0), np.zeros(count, dtype=np.bool_),
+        question.log_prior.copy(), np.empty(count), np.where(question.apart, NEVER, 0.0), np.zeros(count, dtype=np.bool_),
         np.arange(count, dtype=np.int32), np.zeros(blocks), np.zeros(blocks),
     )  # fmt: skip
     final = Live(*(values.copy() for values in live))
@@ -110,7 +110,7 @@ def _chosen(live: Live, count: int, joint: Joint, r: int, margin: float, unit: A
                 _gain(live, joint, r, chosen, unit)
             return chosen
         live.waiting[h] = True
-        score_block(live, h // BLOCK, count)
+        top_of_block(live, h // BLOCK, count)
         h = best_pair(live, count)
     return -1
 
@@ -146,11 +146,10 @@ def _merge(live: Live, count: int, joint: Joint, unit: Array, h: int, seat: Arra
     """Condition all pairs on pair h being one plane and join its components; gives back how many pairs are settled by that."""
     keep, gone = live.first[h], live.second[h]
     joint.spare[keep] += joint.spare[gone] + 1.0 - live.delta[h] ** 2 / live.var[h]
-    condition(live, count, unit, live.delta[h] / np.sqrt(live.var[h]))
     for i in range(len(joint.component)):
         if joint.component[i] == gone:
             joint.component[i] = keep
-    return join(live, count, keep, gone, seat)
+    return condition(live, count, unit, live.delta[h] / np.sqrt(live.var[h]), keep, gone, seat)
 
 
 @compiled
@@ -164,14 +163,14 @@ def _closed_up(live: Live, final: Live, count: int) -> tuple[Live, int]:
             continue
         final.waiting[slot] = live.waiting[h]
         live.first[kept], live.second[kept], live.delta[kept], live.var[kept] = live.first[h], live.second[h], live.delta[h], live.var[h]
-        live.log_prior[kept], live.odds[kept] = live.log_prior[h], live.odds[h]
+        live.log_prior[kept], live.base[kept], live.odds[kept] = live.log_prior[h], live.base[h], live.odds[h]
         live.waiting[kept], live.origin[kept] = live.waiting[h], slot
         kept += 1
     blocks = -(-kept // BLOCK)
     closed = Live(
-        live.first[:kept], live.second[:kept], live.delta[:kept], live.var[:kept], live.log_prior[:kept], live.odds[:kept],
-        live.waiting[:kept], live.origin[:kept], live.top[:blocks], live.open_top[:blocks],
+        live.first[:kept], live.second[:kept], live.delta[:kept], live.var[:kept], live.log_prior[:kept], live.base[:kept],
+        live.odds[:kept], live.waiting[:kept], live.origin[:kept], live.top[:blocks], live.open_top[:blocks],
     )  # fmt: skip
     for block in range(blocks):
-        score_block(closed, block, kept)
+        top_of_block(closed, block, kept)
     return closed, kept
