@@ -9,7 +9,7 @@ from typing import TypeVar
 from floorplan.chunked_segments import segment_in_chunks
 from floorplan.config import Config
 from floorplan.corrections import Corrections, Surveyed
-from floorplan.drawings import Drawing, check_sheet
+from floorplan.drawings import Drawing, check_sheet, drawing_beside
 from floorplan.initial_layout import InitialLayout, initial_layout
 from floorplan.kept_config import kept_config
 from floorplan.kept_drawings import draw_what_changed
@@ -75,16 +75,22 @@ def finish(job: Job, work: WorkFolder, scan: IngestedScan, segmented: SegmentedS
         return lambda: in_one_step(reporter.progress(title), make)
 
     layout = work.stage(LEAST_SQUARES, InitialLayout, step("planes", lambda: initial_layout(scan, segmented, config)), count_layout)
-    corrected = Corrections(config, work.path, reporter)
+    corrected = Corrections(config, work.path, reporter, job.jobs)
     merged = work.stage(MERGE, MergeResult, step("merging planes", lambda: corrected.merged(layout)), count_merge)
     known = Surveyed(scan, segmented, layout, merged)
     solution = work.stage(RESOLVE, LayoutSolution, step("solving again", lambda: corrected.solution(known)), count_solution)
     tell_problems(reporter, direction_problems(segmented))
     tell_shared(reporter, shared_planes(scan, layout.graph, solution))
-    plan = work.stage(PLAN, Plan, step("plan", lambda: corrected.plan(known, solution)), count_plan)
-    results = Results(scan, segmented, layout, merged, solution, on_site(corrected.named(plan), config.site))
-    table = write_root_files(results, job.scan, work.path, config)
-    draw_what_changed(results, table, job.scan, job.drawings, config, reporter, work.path)
+    with drawing_beside(job.drawings, job.jobs) as second:
+
+        def drawn() -> Plan:
+            second.begin()
+            return corrected.plan(known, solution)
+
+        plan = work.stage(PLAN, Plan, step("plan", drawn), count_plan)
+        results = Results(scan, segmented, layout, merged, solution, on_site(corrected.named(plan), config.site))
+        table = write_root_files(results, job.scan, work.path, config)
+        draw_what_changed(results, table, job.scan, job.drawings, config, reporter, work.path, second)
     return results
 
 

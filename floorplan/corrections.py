@@ -43,11 +43,12 @@ class Surveyed:
 
 @dataclass
 class Corrections:
-    """The corrections of one job on the work folder `work`; the book of ids grows with every plan that is named."""
+    """The corrections of one job on the work folder `work`, on `jobs` threads; the book of ids grows with every plan that is named."""
 
     config: Config
     work: Path
     reporter: Reporter = field(default_factory=SilentReporter)
+    jobs: int = 1
 
     @property
     def edits(self) -> Edits:
@@ -92,7 +93,7 @@ class Corrections:
         keyframes = keyframe_trajectory(known.scan, known.segmented.frames.world_from_sensor, solution.position_m)
         scale = solution.calibration.scale if solution.calibration else 1.0
         segmented = known.segmented if scale == 1.0 else scaled_segments(known.segmented, scale)
-        plan = make_plan(known.scan, segmented, tracks, solution, keyframes, self.config.plan)
+        plan = make_plan(known.scan, segmented, tracks, solution, keyframes, self.config.plan, self.jobs)
         return replace(plan, notes=(*plan.notes, *(f"{p.message}; {p.advice}." for p in direction_problems(known.segmented))))
 
     def named(self, plan: Plan) -> Plan:

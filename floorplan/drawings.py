@@ -1,5 +1,7 @@
 """The drawings a build was asked for: which writer, which file, and what the sheet says about the scan."""
 
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,6 +11,7 @@ import numpy as np
 
 from floorplan import __version__
 from floorplan.config import Config, DrawingConfig, ProjectConfig
+from floorplan.drawing_process import DrawingProcess
 from floorplan.errors import ConfigError, UsageError
 from floorplan.model.checks import Array
 from floorplan.model.normal import NORMAL_95
@@ -21,9 +24,11 @@ from floorplan.summary import Summary
 from floorplan.work.disk import clear_disk_errors
 
 if TYPE_CHECKING:
+    from floorplan.writers import Job
     from floorplan.writers.facts import SheetFacts
 
 ON_SHEETS = ("dxf", "svg", "pdf", "png", "report")  # writers that lay the plan on a sheet at a scale
+ALONE = DrawingProcess()  # one that draws nothing
 TURNED_DEG = 2.0  # steps of the angle that the plan may lie at under the path
 PATH_SHARE = 0.9  # of the path's size that is sure: odometry may have stretched it
 TABLES = ("dimensions", "rooms")  # writers of comma-separated tables
@@ -102,10 +107,26 @@ def check_sheet(drawings: tuple[Drawing, ...], drawing: DrawingConfig, path_xy_m
         raise ConfigError(f"drawing.scale = {drawing.scale!r}: {path}; {remedy}")
 
 
+@contextmanager
+def drawing_beside(drawings: tuple[Drawing, ...], jobs: int) -> Iterator[DrawingProcess]:
+    """A second process for `drawings`, not yet begun; it has ended afterwards, whatever happens."""
+    second = DrawingProcess(tuple(drawing.format for drawing in drawings), jobs)
+    try:
+        yield second
+    finally:
+        second.end()
+
+
 def write_drawings(
-    results: Results, table: Summary, scan: Path, drawings: tuple[Drawing, ...], config: Config, reporter: Reporter
+    results: Results,
+    table: Summary,
+    scan: Path,
+    drawings: tuple[Drawing, ...],
+    config: Config,
+    reporter: Reporter,
+    second: DrawingProcess = ALONE,
 ) -> tuple[Path, ...]:
-    """Write every drawing; each file is whole or not there. Gives the files."""
+    """Write every drawing; each file is whole or not there. Gives the files. What a `second` process can draw, it draws meanwhile."""
     if not drawings:
         return ()
     from floorplan import writers  # ezdxf and matplotlib come with it
@@ -114,11 +135,23 @@ def write_drawings(
     pictures = [drawing.format for drawing in drawings if drawing.format in ON_SHEETS and drawing.format != "dxf"]
     if config.drawing.template and pictures:
         reporter.message(f"note: {', '.join(pictures)}: drawn with the built-in title block; a template is for DXF")
+    shared = tuple(drawing for drawing in drawings if drawing.format in second.formats)
+    sent = second.send(job, [(drawing.format, drawing.path) for drawing in shared])
+    _write(job, (drawing for drawing in drawings if not (sent and drawing in shared)))
+    if sent and not second.succeeded():
+        _write(job, shared)
+    files = files_of(drawings, results.plan)
+    for path in files:
+        reporter.message(f"wrote {path}")
+    return files
+
+
+def _write(job: "Job", drawings: Iterable[Drawing]) -> None:
+    from floorplan import writers
+
     for drawing in drawings:
         with clear_disk_errors(drawing.path):
-            for path in writers.write_job(drawing.format, job, drawing.path):
-                reporter.message(f"wrote {path}")
-    return files_of(drawings, results.plan)
+            writers.write_job(drawing.format, job, drawing.path)
 
 
 def _project(config: Config, plan: Plan) -> ProjectConfig:

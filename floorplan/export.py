@@ -6,7 +6,8 @@ from typing import TypeVar
 
 from floorplan.config import Config
 from floorplan.corrections import with_known_ids
-from floorplan.drawings import Drawing, write_drawings
+from floorplan.drawing_process import DrawingProcess
+from floorplan.drawings import Drawing, drawing_beside, write_drawings
 from floorplan.errors import WorkFolderError
 from floorplan.graph_file import save_graph
 from floorplan.initial_layout import InitialLayout, tracked_graph
@@ -39,8 +40,17 @@ class Exported:
     plan: Plan
 
 
-def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter) -> Exported:
-    """Write `drawings` from the stages of `work` as they are. Raises `WorkFolderError` when one is missing."""
+def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter, jobs: int = 1) -> Exported:
+    """Write `drawings` from the stages of `work` as they are, with more than one of `jobs` by two processes.
+
+    Raises `WorkFolderError` when a stage is missing.
+    """
+    with drawing_beside(drawings, jobs) as second:
+        second.begin()
+        return _export(work, config, drawings, reporter, second)
+
+
+def _export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: Reporter, second: DrawingProcess) -> Exported:
     owner = read_owner(work)
     results = read_results(work)
     results = replace(results, plan=on_site(results.plan, config.site))
@@ -50,7 +60,7 @@ def export(work: Path, config: Config, drawings: tuple[Drawing, ...], reporter: 
         reporter.message(f"note: {first.folder} is stale ({'; '.join(first.reasons)}){more}; 'floorplan build' would make them again")
     scan = Path(owner.scan)
     table = summary(results, trajectories(results), scan, work, config)
-    return Exported(write_drawings(results, table, scan, drawings, config, reporter), results.plan)
+    return Exported(write_drawings(results, table, scan, drawings, config, reporter, second), results.plan)
 
 
 def read_results(work: Path) -> Results:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from floorplan.config import Config
-from floorplan.drawings import Drawing, files_of, write_drawings
+from floorplan.drawing_process import DrawingProcess
+from floorplan.drawings import ALONE, Drawing, files_of, write_drawings
 from floorplan.reporting import Reporter
 from floorplan.results import Results
 from floorplan.summary import Summary
@@ -21,9 +22,19 @@ _CODE = Stage("drawings", 1, (), ("drawings", "writers"))  # whatever a drawing'
 
 
 def draw_what_changed(
-    results: Results, table: Summary, scan: Path, drawings: tuple[Drawing, ...], config: Config, reporter: Reporter, work: Path
+    results: Results,
+    table: Summary,
+    scan: Path,
+    drawings: tuple[Drawing, ...],
+    config: Config,
+    reporter: Reporter,
+    work: Path,
+    second: DrawingProcess = ALONE,
 ) -> None:
-    """Write the drawings whose plan, settings or file changed since `work` saw them last; the others stay as they are."""
+    """Write the drawings whose plan, settings or file changed since `work` saw them last; the others stay as they are.
+
+    A `second` process helps as in `write_drawings`.
+    """
     if not drawings:
         return
     key, known = _key(table, scan, config), _record(work)
@@ -31,7 +42,7 @@ def draw_what_changed(
     for drawing in drawings:
         if drawing not in stale:
             reporter.message(f"{drawing.path} is up to date")
-    write_drawings(results, table, scan, stale, config, reporter)
+    write_drawings(results, table, scan, stale, config, reporter, second)
     for drawing in stale:
         files = files_of((drawing,), results.plan)
         known[_name(drawing)] = {"key": key, "files": {str(path.resolve()): _sha256(path) for path in files}}

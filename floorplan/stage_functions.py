@@ -31,9 +31,15 @@ def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> L
 
 
 def make_plan(
-    scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks, solution: LayoutSolution, keyframes: Trajectory, config: PlanConfig
+    scan: IngestedScan,
+    segmented: SegmentedScan,
+    tracks: Tracks,
+    solution: LayoutSolution,
+    keyframes: Trajectory,
+    config: PlanConfig,
+    jobs: int,
 ) -> Plan:
     """See `floorplan.plan.make_plan`."""
     from floorplan.plan.make_plan import make_plan as run
 
-    return run(scan, segmented, tracks, solution, keyframes, config)
+    return run(scan, segmented, tracks, solution, keyframes, config, jobs)

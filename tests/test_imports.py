@@ -25,7 +25,7 @@ HOMES = {  # the one module, or folder, that may import the library
 # too slow to import before they are needed
 AT_THE_TOP = ("cvxpy", "clarabel", "open3d", "ezdxf", "ifcopenshell", "rosbags", "matplotlib", "rich")
 TOP = {"cli", "build", "export", "results", "drawings", "initial_layout", "chunked_segments", "stage_counts", "stage_functions"}
-TOP |= {"frame_export", "report", "write_report", "corrections", "plan_names", "merge_table", "solve_graph", "__main__"}
+TOP |= {"frame_export", "report", "write_report", "corrections", "plan_names", "merge_table", "solve_graph", "drawing_process", "__main__"}
 TOP |= {"build_several", "view", "write_view", "kept_config", "kept_drawings", "placed_points", "compare", "survey_advice"}
 OUTSIDE_THE_STAGES = TOP | {"work", "several", "config_file", "doctor", "summary", "simulate", "writers", "readers", "solve"}
 GROUND = {"model", "errors", "geometry"}

@@ -1,5 +1,6 @@
 """`floorplan status` and `floorplan export`: what a work folder holds, and drawings from it again."""
 
+import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -138,7 +139,7 @@ def export(
 def _export_drawings(work: Path, config: Config, drawings: "tuple[Drawing, ...]", quiet: bool) -> None:
     from floorplan.export import export as run
 
-    exported = run(work, config, drawings, ConsoleReporter(quiet))
+    exported = run(work, config, drawings, ConsoleReporter(quiet), os.cpu_count() or 1)
     if exported.plan.site is not None and not quiet:
         print_site(exported.plan.site)
     for path in exported.files:

@@ -58,10 +58,11 @@ def _crossed_cells(world: PlanWorld) -> tuple[Array, Array]:
     """Lower left corner (2,) of the grid, and which of its cells were crossed by MIN_RAYS."""
     from floorplan.plan.ray_kernels import mark_free
 
-    parts = [part[:, :2] for part in (world.point_m, world.trajectory.position_m) if len(part)]
+    parts = [part[:, axis] for part in (world.point_m, world.trajectory.position_m) for axis in (0, 1) if len(part)]
     if not parts:
         return np.zeros(2), np.zeros((1, 1), dtype=bool)
-    low, high = np.min([part.min(axis=0) for part in parts], axis=0), np.max([part.max(axis=0) for part in parts], axis=0)
+    low, high = (np.reshape([extreme(part) for part in parts], (-1, 2)) for extreme in (np.min, np.max))
+    low, high = low.min(axis=0), high.max(axis=0)
     corner = np.floor(low / CELL_M) * CELL_M - CELL_M
     size = np.ceil((high - corner) / CELL_M).astype(int) + 2
     crossed = np.zeros(tuple(size), dtype=np.int32)

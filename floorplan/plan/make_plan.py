@@ -1,5 +1,6 @@
 """The plan in named steps."""
 
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,26 +45,37 @@ DRAWN_POINTS = 20_000  # evidence points kept for the drawing: enough to see, fe
 
 
 def make_plan(
-    scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks, solution: LayoutSolution, trajectory: Trajectory, config: PlanConfig
+    scan: IngestedScan,
+    segmented: SegmentedScan,
+    tracks: Tracks,
+    solution: LayoutSolution,
+    trajectory: Trajectory,
+    config: PlanConfig,
+    jobs: int = 1,
 ) -> Plan:
-    """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution."""
+    """The floor plan; `trajectory` holds the final poses of the keyframes in the axis-aligned world of the solution.
+
+    Rays are followed on `jobs` threads; the plan does not depend on their number.
+    """
     world = _framed(on_the_floor(solved_world(scan, segmented, tracks, solution, trajectory)), solution)
-    world = with_overlooked(world, segmented.evidence.segment == NO_SEGMENT, segmented.free_patches, config)
     solved = len(solution.plane_offset_m)
-    levels = storeys(world)
-    if len(levels) == 1:
-        return without_idle_planes(storey_plan(world, segmented.free_patches, solution, config), solved)
-    frames = frames_of_storeys(world, floor_heights_m(world))
-    patches = [patches_of(segmented.free_patches, world, rows) for rows in frames]
-    plans = tuple(storey_plan(level, seen, solution, config) for level, seen in zip(levels, patches, strict=True))
+    with ThreadPoolExecutor(jobs) as workers:
+        world = with_overlooked(world, segmented.evidence.segment == NO_SEGMENT, segmented.free_patches, config, workers)
+        levels = storeys(world)
+        if len(levels) == 1:
+            return without_idle_planes(storey_plan(world, segmented.free_patches, solution, config, workers), solved)
+        frames = frames_of_storeys(world, floor_heights_m(world))
+        patches = [patches_of(segmented.free_patches, world, rows) for rows in frames]
+        plans = tuple(storey_plan(level, seen, solution, config, workers) for level, seen in zip(levels, patches, strict=True))
     return without_idle_planes(stacked(plans), solved)
 
 
-def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig) -> Plan:
-    """The plan of one storey; `patches` of its frames."""
+def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig, workers: Executor) -> Plan:
+    """The plan of one storey; `patches` of its frames, `workers` to follow rays."""
+    followed = workers.submit(free_space, world)
     planes, covariance = plan_planes(world, solution), joint_covariance(world, solution)
     ids = tuple(plane.id for plane in planes)
-    surfaces = wall_surfaces(world, config)
+    surfaces = wall_surfaces(world, config, workers)
     faces, bodies, gaps = surfaces.faces, surfaces.bodies, surfaces.gaps
     matter = solid(bodies, junction_blocks(bodies))
     mullioned = glazed_lines(world, faces, config) + mullion_rows(faces, gaps)
@@ -72,7 +84,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     drawing = draw_walls(faces + through.faces, bodies, matter, covariance, ids)
     glimpsed = frozenset(ids[face.run.plane] for face in through.faces)
     columns = column_bodies(bodies, faces)
-    space = free_space(world)
+    space = followed.result()
     unseen_steps = steps(faces, space, config)
     walls = with_steps(without_columns(drawing, column_faces(columns, faces)), unseen_steps)
     path = world.trajectory.position_m[:, :2]
@@ -125,9 +137,9 @@ class WallSurfaces:
     evidence: tuple[PlaneEvidence, ...]
 
 
-def wall_surfaces(world: PlanWorld, config: PlanConfig) -> WallSurfaces:
+def wall_surfaces(world: PlanWorld, config: PlanConfig, workers: Executor) -> WallSurfaces:
     """Judge all upright planes by their rays and join what is wall."""
-    evidence = surface_evidence(world, config)
+    evidence = surface_evidence(world, config, workers)
     found = find_runs(evidence, config, world.heights)
     walls, slender = (tuple(_face_run(run, world) for run in runs) for runs in (found.runs, found.posts))
     single, doubled = without_doubles(walls + standing_posts(slender, walls), evidence, config, world.heights)

@@ -1,5 +1,6 @@
 """Surfaces that gave no segments: piers' sides, and walls seen at a slant through a door, found as lines in the readings of many frames."""
 
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,19 +31,21 @@ EXPLAINED_BINS = 2  # beside a plane's own readings, along it, what lies on the 
 REFINEMENTS = 3  # rounds of the offset on the readings near it: it moves by less than 1 mm then
 
 
-def with_overlooked(world: PlanWorld, loose: Array, patches: FreePatches, config: PlanConfig) -> PlanWorld:
+def with_overlooked(world: PlanWorld, loose: Array, patches: FreePatches, config: PlanConfig, workers: Executor) -> PlanWorld:
     """The world with planes, after those of the solution, for lines of `loose (P,)` readings at wall height that lie on no plane.
 
     Their readings become the plane's, those of a line that continues a known plane that plane's. Their offsets are the
     readings' mean under the final poses: they are drawn where they stand, but take no part in the solution. Readings of
     which a line off the axes (of `patches`) explains more are left to it. Level sweeps stay as they are: they have a segment
-    wherever three readings stand in line.
+    wherever three readings stand in line. `workers` look along several axes at a time.
     """
     if not world.heights:
         return world
     above = world.point_m[:, 2] - _floor_m(world)
     rows = np.flatnonzero(loose & (above > config.wall_band_low_m) & (above < config.wall_band_high_m))
-    lines = [line for axis in (AXIS_X, AXIS_Y) for facing in (-1, 1) for line in _lines(world, rows, axis, facing, config)]
+    sides = [(axis, facing) for axis in (AXIS_X, AXIS_Y) for facing in (-1, 1)]
+    found = workers.map(lambda side: _lines(world, rows, side[0], side[1], config), sides)
+    lines = [line for of_side in found for line in of_side]
     candidates: list[_Line | _Skewed] = [*lines, *(_readings_on(world, rows, line) for line in free_lines(patches, world, (), config))]
     taken = np.zeros(len(world.point_m), dtype=bool)
     for line in sorted(candidates, key=lambda one: -len(one.rows)):
@@ -161,11 +164,13 @@ class _Grid:
 
     @classmethod
     def of(cls, across_m: Array, along_m: Array) -> "_Grid":
+        from floorplan.plan.line_kernels import counted_within
+
         across, along = (np.floor(x / step).astype(np.int64) for x, step in ((across_m, LINE_BIN_M), (along_m, ALONG_BIN_M)))
         across, along = across - across.min() + HALF_VICINITY_BINS, along - along.min()
-        count = np.zeros((across.max() + 1 + HALF_VICINITY_BINS, along.max() + 1), dtype=np.int32)
-        np.add.at(count, (across, along), 1)
-        return cls(across, along, _summed(count, HALF_WIDTH_BINS), _summed(count, HALF_VICINITY_BINS))
+        lines, columns = int(across.max()) + 1 + HALF_VICINITY_BINS, int(along.max()) + 1
+        counted = counted_within(across, along, lines, columns, np.array([HALF_WIDTH_BINS, HALF_VICINITY_BINS]))
+        return cls(across, along, counted[0], counted[1])
 
     def runs(self) -> list[_Bins]:
         """Stretches of bins on one line, those with the most readings first."""
@@ -183,13 +188,6 @@ class _Grid:
         """Which readings (N,) lie in a run of bins, as wide as a line."""
         near = np.abs(self.across - bins.across) <= HALF_WIDTH_BINS
         return np.asarray(near & (self.along >= bins.first) & (self.along < bins.last))
-
-
-def _summed(count: Array, half: int) -> Array:
-    """Sums (A, U) over the bins within `half` of each, across the line."""
-    total = np.concatenate((np.zeros((1, count.shape[1]), dtype=np.int64), np.cumsum(count, axis=0)))
-    at = np.arange(len(count))
-    return np.asarray(total[np.minimum(at + half + 1, len(count))] - total[np.maximum(at - half, 0)])
 
 
 def _fitted(world: PlanWorld, rows: Array, axis: int, facing: int, config: PlanConfig) -> _Line | None:

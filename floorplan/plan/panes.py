@@ -96,16 +96,18 @@ def _pane(rays: _Rays, stretch: _Stretch, config: PlanConfig) -> GlazedLine | No
     """The line within the wall's depth that returns rays from nearly the whole gap while more rays pass it."""
     low, high = stretch.start_m + JAMB_M, stretch.end_m - JAMB_M
     edges = np.linspace(low, high, max(int((high - low) / BIN_M), 2) + 1)
-    point = rays.point_m
-    along, depth = point[:, 1 - stretch.axis], (stretch.offset_m - point[:, stretch.axis]) * stretch.facing
-    inside = (along > low) & (along < high) & (depth > -LINE_HALF_WIDTH_M) & (depth < config.max_thickness_m)
-    if not inside.any():
+    depth = (stretch.offset_m - rays.point_m[:, stretch.axis]) * stretch.facing
+    rows = np.flatnonzero((depth > -LINE_HALF_WIDTH_M) & (depth < config.max_thickness_m))
+    along, depth = rays.point_m[rows, 1 - stretch.axis], depth[rows]
+    beside = (along > low) & (along < high)
+    along, depth = along[beside], depth[beside]
+    if not len(depth):
         return None
-    line = _densest(depth[inside])
-    on_line = inside & (np.abs(depth - line) <= LINE_HALF_WIDTH_M)
+    line = _densest(depth)
+    on_line = np.abs(depth - line) <= LINE_HALF_WIDTH_M
     if on_line.sum() < MIN_RETURNS:
         return None
-    anywhere, returned = (np.histogram(along[rows], bins=edges)[0] for rows in (inside, on_line))
+    anywhere, returned = (np.histogram(part, bins=edges)[0] for part in (along, along[on_line]))
     offset = stretch.offset_m - stretch.facing * line
     through = _through(rays, stretch.axis, offset, edges)
     glassy = (returned > 0) & (returned >= ON_LINE_SHARE * anywhere) & (through >= np.maximum(THROUGH_SHARE * returned, 1))

@@ -1,5 +1,6 @@
 """What the rays say about every upright plane: per cell of it, hits, rays that passed through, rays that ended right before it."""
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,30 +62,34 @@ def tolerance_m(world: PlanWorld) -> Array:
     return np.maximum(MIN_TOLERANCE_M, NOISE_SIGMAS * world.point_sigma_m)
 
 
-def surface_evidence(world: PlanWorld, config: PlanConfig) -> tuple[PlaneEvidence, ...]:
-    """Counts for every plane along x or y."""
+def surface_evidence(world: PlanWorld, config: PlanConfig, workers: Executor) -> tuple[PlaneEvidence, ...]:
+    """Counts for every plane along x or y; `workers` count the rays of several planes at a time."""
     from floorplan.plan.ray_kernels import frame_boxes
 
     upright = np.flatnonzero((world.plane_axis == AXIS_X) | (world.plane_axis == AXIS_Y))
     start = np.searchsorted(world.point_frame, np.arange(len(world.trajectory.position_m) + 1))
-    rays = _Rays(tolerance_m(world), start, frame_boxes(world.trajectory.position_m, world.point_m, start))
-    return tuple(_count(world, int(plane), rays, config) for plane in upright)
+    tolerance, box = tolerance_m(world), frame_boxes(world.trajectory.position_m, world.point_m, start)
+    rays = _Rays(tolerance, start, box, max(NEAR_M, float(tolerance.max(initial=0.0))))
+    return tuple(workers.map(lambda plane: _count(world, plane, rays, config), upright.tolist()))
 
 
 @dataclass(frozen=True)
 class _Rays:
-    """All rays: `tolerance_m (P,)`; those of keyframe f are rows `start[f]` to `start[f + 1]` and stay within `box_m[f]` (F, 2, 2)."""
+    """All rays: `tolerance_m (P,)`; those of keyframe f are rows `start[f]` to `start[f + 1]` and stay within `box_m[f]` (F, 2, 2).
+
+    Those that end within `reach_m` of a plane concern it.
+    """
 
     tolerance_m: Array
     start: Array
     box_m: Array
+    reach_m: float
 
     def near(self, axis: int, offset_m: float, low_m: float, high_m: float) -> Array:
         """Which keyframes (F,) have rays that come near the stretch `low_m` to `high_m` of a plane."""
-        reach_m = max(NEAR_M, float(self.tolerance_m.max(initial=0.0)))
         across, along = self.box_m[:, axis], self.box_m[:, 1 - axis]
         beside = (along[:, 0] <= high_m) & (along[:, 1] >= low_m)
-        return np.asarray(beside & (across[:, 0] - reach_m <= offset_m) & (across[:, 1] + reach_m >= offset_m))
+        return np.asarray(beside & (across[:, 0] - self.reach_m <= offset_m) & (across[:, 1] + self.reach_m >= offset_m))
 
 
 def _count(world: PlanWorld, plane: int, rays: _Rays, config: PlanConfig) -> PlaneEvidence:

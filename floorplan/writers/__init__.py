@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 
 from floorplan.config import DrawingConfig, ProjectConfig
@@ -72,12 +73,13 @@ def _png(job: Job) -> bytes:
 
 @dataclass(frozen=True)
 class Writer:
-    """One row of the table: `make` gives the bytes of the file; `per_storey` formats get a file for each storey."""
+    """One row of the table: `make` gives the bytes of the file; `per_storey`: one for each storey; `library` is slow to import."""
 
     name: str
     description: str
     make: Callable[[Job], bytes]
     per_storey: bool = False
+    library: str = ""
 
     @property
     def option(self) -> str:
@@ -122,10 +124,10 @@ def _report(job: Job) -> bytes:
 
 
 _TABLE = (
-    Writer("dxf", "CAD drawing: plan in model space, sheet in paper space (R2000 to R2018)", _dxf, per_storey=True),
+    Writer("dxf", "CAD drawing: plan in model space, sheet in paper space (R2000 to R2018)", _dxf, per_storey=True, library="ezdxf"),
     Writer("svg", "the sheet in true millimetres, one group per layer", _svg, per_storey=True),
-    Writer("pdf", "the sheet, vector, at true scale", _pdf, per_storey=True),
-    Writer("png", "the sheet as a picture", _png, per_storey=True),
+    Writer("pdf", "the sheet, vector, at true scale", _pdf, per_storey=True, library="matplotlib.backends.backend_pdf"),
+    Writer("png", "the sheet as a picture", _png, per_storey=True, library="matplotlib.backends.backend_agg"),
     Writer("json", "the plan as data, with its schema version", _json),
     Writer("geojson", "the plan as features in plan metres, for GIS", _geojson),
     Writer("dimensions", "dimensions.csv, with an empty column to fill on site", _dimensions),
@@ -157,6 +159,12 @@ def files_of(name: str, plan: Plan, path: Path) -> tuple[Path, ...]:
     if not (_writer_named(name).per_storey and plan.upper_storeys):
         return (path,)
     return tuple(path.with_stem(f"{path.stem}-{number}") for number in range(1, len(plan.storeys) + 1))
+
+
+def load_library(name: str) -> None:
+    """Import what the format called `name` is drawn with, ahead of the drawing."""
+    if library := _writer_named(name).library:
+        import_module(library)
 
 
 def _writer_named(name: str) -> Writer:
