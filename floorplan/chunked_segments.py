@@ -11,7 +11,7 @@ from floorplan.config import Config
 from floorplan.errors import InputError
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan
-from floorplan.model.segment import SegmentedScan
+from floorplan.model.segment import EvidencePoints, SegmentedScan
 from floorplan.readers.base import Source
 from floorplan.work.folder import WorkFolder
 from floorplan.work.stages import SEGMENTS
@@ -34,8 +34,14 @@ def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: 
     def make(rows: Array) -> segments.SegmentedChunk:
         return segments.segment_chunk(scan, prior, source.frames(rows.tolist(), stride), config.segments)
 
-    def chunk(number: int) -> segments.SegmentedChunk:
+    def whole(number: int) -> segments.SegmentedChunk:
         return store.get(f"chunk-{number:05d}", segments.SegmentedChunk, lambda: make(parts[number]))
+
+    def chunk(number: int) -> segments.SegmentedChunk:
+        return segments.without_points(whole(number))
+
+    def points(of: segments.SegmentedChunk) -> EvidencePoints:
+        return whole(int(of.frame[0]) // CHUNK_KEYFRAMES).evidence
 
     with ThreadPoolExecutor(jobs) as pool:
         waiting = [pool.submit(chunk, number) for number in range(len(parts))]
@@ -46,7 +52,7 @@ def segment_in_chunks(source: Source, scan: IngestedScan, config: Config, work: 
         except BaseException:
             pool.shutdown(wait=True, cancel_futures=True)
             raise
-        segmented = segments.join(scan, prior, [future.result() for future in waiting])
+        segmented = segments.join(scan, prior, [future.result() for future in waiting], points)
         _stop_when_too_many_are_bad(segmented, scan, config.ingest.max_unreadable_share)
         return segmented
 

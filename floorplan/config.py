@@ -71,6 +71,7 @@ class SegmentsConfig:
     min_sweep_extent_m: float = 0.35  # shorter runs of beams fit any axis
     min_area_m2: float = 0.04  # smaller patches are furniture and clutter
     evidence_points: int = 1300  # points kept per frame for openings and views, evenly over the image
+    max_evidence_points: int = 5_000_000  # of a recording: what plans of any length fit into memory with; longer ones keep fewer per frame
 
 
 @dataclass(frozen=True)

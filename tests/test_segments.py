@@ -1,5 +1,6 @@
 """Segments, rotations and tracks of a rendered box room against its truth."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -9,7 +10,7 @@ import pytest
 from floorplan.compass import CompassPrior, survey
 from floorplan.config import CompassConfig, SegmentsConfig, TrackingConfig
 from floorplan.model.segment import SegmentedScan
-from floorplan.segments import frame_picture, grid_stride, join, segment_chunk, segment_frame
+from floorplan.segments import frame_picture, grid_stride, join, segment_chunk, segment_frame, without_points
 from floorplan.segments.rotation import small_rotation
 from floorplan.tracking import dead_reckoning, track
 from tests.box_room import ROOM_M, BoxScan, camera_scan, laser_scan, with_heading, yaw_error_rad
@@ -157,6 +158,29 @@ def test_the_result_does_not_depend_on_the_order_of_the_chunks() -> None:
     np.testing.assert_array_equal(again.segments.distance_m, segmented.segments.distance_m)
     np.testing.assert_array_equal(again.evidence.segment, segmented.evidence.segment)
     np.testing.assert_array_equal(again.frames.world_from_sensor, segmented.frames.world_from_sensor)
+
+
+def test_evidence_left_on_disk_and_read_chunk_by_chunk_is_the_same() -> None:
+    box, prior, segmented = _camera()
+    config, rows = SegmentsConfig(pixel_stride=1), box.scan.keyframe
+    chunks = [segment_chunk(box.scan, prior, box.frames(rows[a : a + 10], 1), config) for a in range(0, len(rows), 10)]
+    kept = {int(chunk.frame[0]): chunk.evidence for chunk in chunks}
+    light = [without_points(chunk) for chunk in chunks]
+    assert sum(len(chunk.evidence.weight) for chunk in light) == 0
+    again = join(box.scan, prior, light, lambda chunk: kept[int(chunk.frame[0])])
+    for name in ("start", "point_sensor_m", "segment", "weight"):
+        np.testing.assert_array_equal(getattr(again.evidence, name), getattr(segmented.evidence, name))
+
+
+@pytest.mark.parametrize("scan", [camera_scan, laser_scan])
+def test_a_recording_too_long_for_memory_keeps_fewer_points_of_each_frame_that_stand_for_more_pixels(scan: Callable[[], BoxScan]) -> None:
+    box = scan()
+    most = 50 * len(box.scan.keyframe)
+    _, few = _segmented(box, SegmentsConfig(max_evidence_points=most))
+    _, all_kept = _segmented(box, SegmentsConfig())
+    assert 0.5 * most < len(few.evidence.weight) < 1.3 * most < len(all_kept.evidence.weight)
+    assert few.evidence.weight.sum() == pytest.approx(all_kept.evidence.weight.sum(), rel=0.1)
+    np.testing.assert_array_equal(few.segments.distance_m, all_kept.segments.distance_m)
 
 
 def test_evidence_points_lie_on_the_segments_they_name() -> None:

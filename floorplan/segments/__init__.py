@@ -5,9 +5,10 @@ smooths the rotations with the whole recording, and computes distances anew unde
 """
 
 from floorplan.segments.chunk import grid_stride, segment_chunk
+from floorplan.segments.chunk_evidence import without_points
 from floorplan.segments.frame import compiled_before, segment_frame
 from floorplan.segments.join import join
 from floorplan.segments.picture import frame_picture
 from floorplan.segments.values import SegmentedChunk
 
-__all__ = ["SegmentedChunk", "compiled_before", "frame_picture", "grid_stride", "join", "segment_chunk", "segment_frame"]
+__all__ = ["SegmentedChunk", "compiled_before", "frame_picture", "grid_stride", "join", "segment_chunk", "segment_frame", "without_points"]

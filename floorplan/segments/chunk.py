@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from floorplan.config import SegmentsConfig
 from floorplan.geometry import rotation_about_z
 from floorplan.model.checks import Array
 from floorplan.model.scan import Frame, IngestedScan, Problem, Sensor, SensorKind
-from floorplan.model.segment import NO_SEGMENT, EvidencePoints, FreePatches, Segments
+from floorplan.model.segment import FreePatches, Segments
 from floorplan.readers.base import BadFrame
 from floorplan.segments.fit import Column
 from floorplan.segments.frame import segment_frame
@@ -23,10 +24,17 @@ def grid_stride(sensor: Sensor, config: SegmentsConfig) -> int:
     return max(config.pixel_stride, math.ceil(sensor.width / config.max_columns)) if sensor.kind is SensorKind.CAMERA else 1
 
 
+def _points_per_frame(scan: IngestedScan, config: SegmentsConfig) -> int:
+    """Evidence points wanted of each frame (of a sweep all beams): fewer where a long recording's would not fit into memory."""
+    most = max(config.max_evidence_points // max(len(scan.keyframe), 1), 1)
+    return most if scan.recording.sensor.height == 1 else min(config.evidence_points, most)
+
+
 def segment_chunk(
     scan: IngestedScan, prior: CompassPrior, frames: Iterable[Frame | BadFrame], config: SegmentsConfig
 ) -> SegmentedChunk:
     """Layout segments of some keyframes, read with `grid_stride`. Safe to call from several threads at once."""
+    config = replace(config, evidence_points=_points_per_frame(scan, config))
     done: list[SegmentedFrame] = []
     index: list[int] = []
     problems: list[Problem] = []
@@ -70,24 +78,6 @@ def join_patches(parts: Sequence[FreePatches]) -> FreePatches:
         empty, pair = np.zeros(0), np.zeros((0, 2))
         return FreePatches(empty, empty, pair, pair, pair, empty, empty)
     return FreePatches(*(np.concatenate([getattr(p, name) for p in parts]) for name in FreePatches.__dataclass_fields__))
-
-
-def join_evidence(parts: Sequence[EvidencePoints], segment_counts: Sequence[int]) -> EvidencePoints:
-    """All frames' points, one after the other; segment numbers move on by the segments before."""
-    if not parts:
-        return EvidencePoints(np.zeros(1), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
-    starts, first, segment = [np.zeros(1, np.int64)], 0, []
-    before = np.concatenate(([0], np.cumsum(segment_counts)))
-    for part, moved in zip(parts, before[:-1], strict=True):
-        starts.append(part.start[1:] + first)
-        first += int(part.start[-1])
-        segment.append(np.where(part.segment == NO_SEGMENT, NO_SEGMENT, part.segment + moved))
-    return EvidencePoints(
-        np.concatenate(starts),
-        np.concatenate([p.point_sensor_m for p in parts]),
-        np.concatenate(segment),
-        np.concatenate([p.weight for p in parts]),
-    )
 
 
 def prior_rotation(prior: CompassPrior) -> Array:

@@ -12,12 +12,13 @@ from floorplan.segments.values import ThinnedPoints
 def thin(points: Array, weight: Array, segment_of_pixel: Array, frame: int, wanted: int, pixels_per_point: float) -> ThinnedPoints:
     """About `wanted` points on a regular sub-grid that shifts from frame to frame, each standing for the pixels around it.
 
-    `pixels_per_point`: pixels of the full image per pixel of this grid. A sweep (one row) keeps all its beams.
+    `pixels_per_point`: pixels of the full image per pixel of this grid. Of a sweep (one row) every beam is kept, or every n-th.
     """
     height, width = weight.shape
-    step = 1 if height == 1 else max(1, round(math.sqrt(height * width / wanted)))
+    step = math.ceil(width / wanted) if height == 1 else max(1, round(math.sqrt(height * width / wanted)))
     row, column = (frame * 7) % step, (frame * 3) % step  # another phase in each frame: the set covers what one grid would miss
-    return ThinnedPoints(*_every(points, weight, segment_of_pixel, step, row, column), step * step * pixels_per_point)
+    stands_for = step * pixels_per_point if height == 1 else step * step * pixels_per_point
+    return ThinnedPoints(*_every(points, weight, segment_of_pixel, step, row if height > 1 else 0, column), stands_for)
 
 
 @compiled

@@ -10,9 +10,10 @@ from floorplan.compass.smoothing import SHARED_ERRORS, smooth_angle
 from floorplan.geometry import rotation_about_z, wrap_to
 from floorplan.model.checks import Array
 from floorplan.model.scan import IngestedScan, Problem, SensorKind
-from floorplan.model.segment import EvidencePoints, FreePatches, ManhattanFrames, SegmentedScan, Segments
+from floorplan.model.segment import FreePatches, ManhattanFrames, SegmentedScan, Segments
 from floorplan.odometry_steps import keyframe_steps
-from floorplan.segments.chunk import join_evidence, join_patches, join_segments, prior_rotation
+from floorplan.segments.chunk import join_patches, join_segments, prior_rotation
+from floorplan.segments.chunk_evidence import ReadPoints, joined_evidence, points_at_hand
 from floorplan.segments.error_sizes import ErrorSizes, SegmentErrors, learnt_sizes
 from floorplan.segments.ripple import Ripple, ripple_of
 from floorplan.segments.rotation import corrections, small_rotation
@@ -33,8 +34,10 @@ class _Rotations:
     shared_rad: Array
 
 
-def join(scan: IngestedScan, prior: CompassPrior, chunks: Sequence[SegmentedChunk]) -> SegmentedScan:
-    """One segmented scan over all keyframes; the order of `chunks` does not matter."""
+def join(
+    scan: IngestedScan, prior: CompassPrior, chunks: Sequence[SegmentedChunk], read_points: ReadPoints = points_at_hand
+) -> SegmentedScan:
+    """One segmented scan over all keyframes; the order of `chunks` does not matter. `read_points` gives each chunk's evidence."""
     ordered = sorted((c for c in chunks if len(c.frame)), key=lambda c: int(c.frame[0]))
     rough, yaw_sigma, measured = prior_rotation(prior), np.array(prior.yaw_sigma_rad), np.zeros(len(scan.keyframe), dtype=bool)
     for chunk in ordered:
@@ -47,10 +50,10 @@ def join(scan: IngestedScan, prior: CompassPrior, chunks: Sequence[SegmentedChun
     yaw_sigma = np.hypot(rotations.sigma_rad, rotations.shared_rad)[:, 2]
     frames = ManhattanFrames(rotations.world_from_sensor, yaw_sigma, measured)
     patches = _turned_patches(join_patches([c.free_patches for c in ordered]), rough, rotations.world_from_sensor)
-    evidence = join_evidence([c.evidence for c in ordered], [len(c.segments) for c in ordered])
+    evidence = joined_evidence(ordered, len(rough), read_points)
     segments = _with_sigmas(_turned_segments(segments, rough, rotations.world_from_sensor), scan, rotations, ripple)
     problems = counted_problems([problem for chunk in chunks for problem in chunk.problems])
-    return SegmentedScan(frames, segments, patches, _for_all_frames(evidence, ordered, len(rough)), problems)
+    return SegmentedScan(frames, segments, patches, evidence, problems)
 
 
 def counted_problems(met: Sequence[Problem]) -> tuple[Problem, ...]:
@@ -124,10 +127,3 @@ def _turned_patches(patches: FreePatches, rough: Array, final: Array) -> FreePat
         start_m=np.einsum("qij,qj->qi", flat, patches.start_m),
         end_m=np.einsum("qij,qj->qi", flat, patches.end_m),
     )
-
-
-def _for_all_frames(evidence: EvidencePoints, chunks: Sequence[SegmentedChunk], count: int) -> EvidencePoints:
-    """`evidence` with a (perhaps empty) run of points for every keyframe, read or not."""
-    points = np.zeros(count, np.int64)
-    points[np.concatenate([np.zeros(0, np.int64), *(c.frame for c in chunks)])] = np.diff(evidence.start)
-    return replace(evidence, start=np.concatenate(([0], np.cumsum(points))))

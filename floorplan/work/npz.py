@@ -1,6 +1,5 @@
 """Arrays in `.npz` files without pickles, the same bytes for the same arrays."""
 
-import io
 import os
 import zipfile
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ import numpy as np
 
 from floorplan.model.checks import Array
 
+_LARGE_BYTES = 1 << 30  # an entry that may pass the two gigabytes of the plain format says so beforehand
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time a zip entry can carry: no clock in the bytes
 
 
@@ -18,7 +18,7 @@ def write_npz(path: Path, arrays: Mapping[str, Array]) -> None:
     with path.open("wb") as raw:
         with zipfile.ZipFile(raw, "w", zipfile.ZIP_STORED) as archive:
             for name, array in arrays.items():
-                archive.writestr(zipfile.ZipInfo(f"{name}.npy", _EPOCH), _npy_bytes(array))
+                _write_entry(archive, name, np.ascontiguousarray(array) if array.ndim else np.asarray(array))
         raw.flush()
         os.fsync(raw.fileno())
 
@@ -29,7 +29,8 @@ def read_npz(path: Path) -> dict[str, Array]:
         return {name: archive[name] for name in archive.files}
 
 
-def _npy_bytes(array: Array) -> bytes:
-    buffer = io.BytesIO()
-    np.lib.format.write_array(buffer, np.ascontiguousarray(array) if array.ndim else np.asarray(array), allow_pickle=False)
-    return buffer.getvalue()
+def _write_entry(archive: zipfile.ZipFile, name: str, array: Array) -> None:
+    """One `.npy` inside the archive, a block at a time: no second copy of a large array."""
+    entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)
+    with archive.open(entry, "w", force_zip64=array.nbytes > _LARGE_BYTES) as file:
+        np.lib.format.write_array(file, array, allow_pickle=False)
