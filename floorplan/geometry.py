@@ -50,20 +50,28 @@ def level_from_sensor(down_sensor: Array, odom_from_sensor: Array, up_odom: Arra
     level_from_odom = rotation_between(up_odom, np.array([0.0, 0.0, 1.0]))
     rough = level_from_odom @ np.asarray(odom_from_sensor)
     up_rough = -np.einsum("nij,nj->ni", rough, np.asarray(down_sensor))
-    return np.stack([rotation_between(up, np.array([0.0, 0.0, 1.0])) @ r for up, r in zip(up_rough, rough, strict=True)])
+    return np.asarray(rotation_between(up_rough, np.array([0.0, 0.0, 1.0])) @ rough)
 
 
 def rotation_between(source: Array, target: Array) -> Array:
-    """The smallest rotation (3, 3) that takes unit vector `source (3,)` to unit vector `target (3,)`."""
+    """The smallest rotations (..., 3, 3) that take vectors `source (..., 3)` to the direction of `target (3,)`."""
     a, b = np.asarray(source, dtype=np.float64), np.asarray(target, dtype=np.float64)
-    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    axis, cosine = np.cross(a, b), float(a @ b)
-    if cosine < -1 + 1e-12:  # opposite: any half turn about a perpendicular axis
-        normal = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
-        normal /= np.linalg.norm(normal)
-        return 2 * np.outer(normal, normal) - np.eye(3)
-    skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.asarray(np.eye(3) + skew + skew @ skew / (1 + cosine))
+    a, b = a / np.linalg.norm(a, axis=-1, keepdims=True), b / np.linalg.norm(b)
+    cosine = (a @ b)[..., None, None]
+    opposite = cosine < -1 + 1e-12
+    x, y, z = np.moveaxis(np.cross(a, b), -1, 0)
+    zero = np.zeros_like(x)
+    rows = ((zero, -z, y), (z, zero, -x), (-y, x, zero))
+    skew = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    turn = np.eye(3) + skew + skew @ skew / np.where(opposite, 1.0, 1 + cosine)
+    return np.asarray(np.where(opposite, _half_turns(a), turn) if opposite.any() else turn)
+
+
+def _half_turns(direction: Array) -> Array:
+    """Half turns (..., 3, 3) about any axis perpendicular to `direction (..., 3)`."""
+    normal = np.cross(direction, np.eye(3)[np.abs(direction).argmin(axis=-1)])
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    return np.asarray(2 * normal[..., :, None] * normal[..., None, :] - np.eye(3))
 
 
 def wrap_to(angle_rad: Array, period_rad: float) -> Array:
