@@ -57,10 +57,10 @@ class KeptFrames:
             return
         step = stride // self.stride
         rows = [int(index) for index in indices]
-        kept = {row: frame for row in rows if step == 1 and (frame := self.kept.take(row))}
+        kept = {row: found for row in rows if step == 1 and (found := self.kept.take(row))}
         read = iter(self.source.frames([row for row in rows if row not in kept], self.stride))  # one pass: bags are read in order
         for row in rows:
-            frame = kept.pop(row, None) or next(read)
+            frame: Frame | BadFrame = kept.pop(row, None) or next(read)
             if step > 1 and isinstance(frame, Frame):
                 self.kept.add(frame)
                 frame = _every(frame, step)
