@@ -103,6 +103,7 @@ class MergeConfig:
     radius_m: float = 1.0
     eps: float = 0.02
     mu_m: float = 0.30
+    moves: bool = True  # of `evidence`: once all is merged, tracks and parts of planes move where the evidence of the whole grows
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from floorplan.merge_table import MergeRow, merge_rows
 from floorplan.model.advice import Advice
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
+from floorplan.model.plane_moves import PlaneMove
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
 from floorplan.model.ties import Calibration
@@ -110,6 +111,12 @@ def read_merges(work: Path) -> tuple[MergeRow, ...]:
     read_owner(work)
     layout = finished(work, LEAST_SQUARES, InitialLayout)
     return merge_rows(finished(work, INGEST, IngestedScan), layout, finished(work, MERGE, MergeResult))
+
+
+def read_plane_moves(work: Path) -> tuple[PlaneMove, ...]:
+    """What the finished merge changed once everything was merged. Raises `WorkFolderError` where it is not finished."""
+    read_owner(work)
+    return finished(work, MERGE, MergeResult).moves
 
 
 def finished(work: Path, stage: Stage, kind: type[T]) -> T:

@@ -1,27 +1,48 @@
 """`floorplan merges`."""
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from floorplan.cli import options as o
 from floorplan.cli.console import echo_json, echo_table
 
 if TYPE_CHECKING:
     from floorplan.merge_table import MergeRow
+    from floorplan.model.plane_moves import PlaneMove
 
 NAMED_FRAMES = 4  # as many are listed in the table; --json has all
+CHANGES = ("tracks", "from", "to", "planes joined", "log evidence gained")
 HEADER = ("tracks", "axis", "distance", "solved", "sigma", "chi2", "verdict", "seen in frames", "both in one frame")
 
 
-def merges(work: o.Work, as_json: o.AsJson = False) -> None:
-    """Every hypothesis accepted or rejected, with its numbers and the frames that saw it."""
-    from floorplan.export import read_merges
+Changes = Annotated[bool, typer.Option("--changes", help="Only what was moved, cut or joined once all was merged, with its log evidence.")]
 
+
+def merges(work: o.Work, changes: Changes = False, as_json: o.AsJson = False) -> None:
+    """Every hypothesis accepted or rejected, with its numbers and the frames that saw it."""
+    from floorplan.export import read_merges, read_plane_moves
+
+    if changes:
+        moves = read_plane_moves(work)
+        if as_json:
+            echo_json([asdict(move) for move in moves])
+        else:
+            echo_table([CHANGES, *(_change(move) for move in moves)])
+        return
     rows = read_merges(work)
     if as_json:
         echo_json([asdict(row) for row in rows])
     else:
         echo_table([HEADER, *(_cells(row) for row in rows)])
+
+
+def _change(move: "PlaneMove") -> tuple[str, ...]:
+    tracks = ", ".join(map(str, move.tracks)) or "none"
+    source = "" if move.source is None else f"the plane of {move.source}"
+    target = "" if not move.tracks else "a plane of their own" if move.target is None else f"the plane of {move.target}"
+    return (tracks, source, target, str(move.joined), f"{move.log_evidence:.1f}")
 
 
 def _cells(row: "MergeRow") -> tuple[str, ...]:

@@ -14,7 +14,7 @@ def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: Merge
     Raises NoSolutionError when the method's problem has no solution that passes our checks.
     """
     if config.method == "evidence":
-        return merge_evidence(graph, least_squares)
+        return merge_evidence(graph, least_squares, config)
     if config.method == "paper":
         return merge_paper(graph, published_least_squares(graph, least_squares), config)
     raise ConfigError(f"merge.method = '{config.method}' is unknown; it is 'paper' or 'evidence'")

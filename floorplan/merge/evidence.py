@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from floorplan.config import MergeConfig
 from floorplan.merge.evidence_bias import PRIOR_BIAS_M, PRIOR_SHARE, Bias, bias_before_merging, bias_of_merged
 from floorplan.merge.evidence_greedy import Decision, Question, decide
+from floorplan.merge.evidence_moves import move_tracks
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
 from floorplan.merge.evidence_verdicts import join_hypotheses, system_hypotheses
 from floorplan.merge.hypotheses import Pairs
@@ -15,6 +17,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult
 from floorplan.model.merges_made import MergesMade, join_merges
 from floorplan.model.noise import ScanNoise
+from floorplan.model.plane_moves import PlaneMove
 from floorplan.noise import estimate_noise, with_steps
 from floorplan.track_bias import row_sigma_m
 from floorplan.weighted import KnownSystem, known_systems
@@ -25,14 +28,15 @@ SMALLEST_BIAS_M = 0.0015  # for decisions: one short track in a hundred is off b
 
 @dataclass(frozen=True)
 class _Decided:
-    """One round over one system: its pairs, what was asked, what was decided."""
+    """One round over one system: its pairs, what was asked, what was decided, what was moved afterwards (tracks of the system)."""
 
     pairs: Pairs
     question: Question
     decision: Decision
+    moves: tuple[PlaneMove, ...]
 
 
-def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution) -> MergeResult:
+def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
     """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence"."""
     noise = least_squares.noise or estimate_noise(graph)
     known = known_systems(graph, noise)
@@ -40,9 +44,9 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution) -> M
     usual = Bias(PRIOR_BIAS_M, PRIOR_SHARE)
     apart = [seen_apart(graph, noise.sigma_m, usual.of(planes.row_sigma_m), planes) for planes in systems]
     bias = bias_before_merging(systems, apart)
-    first = [_decided(graph, noise, bias, planes, None) for planes in systems]
+    first = [_decided(graph, noise, bias, planes, None, config) for planes in systems]
     bias = bias_of_merged(systems, [made.decision.plane for made in first], bias)
-    second = [_decided(graph, noise, bias, planes, made.decision.plane) for planes, made in zip(systems, first, strict=True)]
+    second = [_decided(graph, noise, bias, planes, made.decision.plane, config) for planes, made in zip(systems, first, strict=True)]
     bias = bias_of_merged(systems, [made.decision.plane for made in second], bias)
     noise = replace(noise, bias_sigma_m=bias.constant_m, bias_share=bias.share)
     label = np.arange(len(graph.axis))
@@ -51,7 +55,8 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution) -> M
     parts = [system_hypotheses(planes, made.pairs, made.question, made.decision) for planes, made in zip(systems, second, strict=True)]
     plane_of_track = _numbered(label)
     merges = _merges_made([(planes, one.pairs, one.decision) for planes, one in zip(systems, second, strict=True)])
-    return _result(graph, noise, plane_of_track, join_hypotheses(parts), known, merges)
+    moves = tuple(_of_graph(move, planes.tracks) for planes, one in zip(systems, second, strict=True) for move in one.moves)
+    return replace(_result(graph, noise, plane_of_track, join_hypotheses(parts), known, merges), moves=moves)
 
 
 def _planes_of_systems(graph: LayoutGraph, noise: ScanNoise, known: Sequence[KnownSystem]) -> list[Planes]:
@@ -82,7 +87,7 @@ def _with_bias(planes: Planes, bias_m: Array) -> Planes:
     return replace(planes, covariance_m2=covariance)
 
 
-def _decided(graph: LayoutGraph, noise: ScanNoise, bias: Bias, planes: Planes, known: Array | None) -> _Decided:
+def _decided(graph: LayoutGraph, noise: ScanNoise, bias: Bias, planes: Planes, known: Array | None, config: MergeConfig) -> _Decided:
     """One round of merging under `noise` and `bias`; `known (T,)` is the round before, to count distinct planes by."""
     each_m = np.maximum(bias.of(planes.row_sigma_m), SMALLEST_BIAS_M)
     planes = _with_bias(planes, each_m)
@@ -93,7 +98,11 @@ def _decided(graph: LayoutGraph, noise: ScanNoise, bias: Bias, planes: Planes, k
     barred = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
     delta = planes.offset_m[pairs.first] - planes.offset_m[pairs.second]
     question = Question(pairs.first, pairs.second, delta, variance, log_prior(planes, pairs, variance, known), barred)
-    return _Decided(pairs, question, decide(question, planes.covariance_m2))
+    decision = decide(question, planes.covariance_m2)
+    if known is None or not config.moves:  # the first round, unmoved, gives the larger bias of the two, which is the safer one
+        return _Decided(pairs, question, decision, ())
+    moved = move_tracks(question, decision, planes.offset_m, planes.covariance_m2)
+    return _Decided(pairs, question, moved.decision, moved.moves)
 
 
 def _numbered(label: Array) -> Array:
@@ -112,6 +121,12 @@ def _merges_made(systems: Sequence[tuple[Planes, Pairs, Decision]]) -> MergesMad
         slack = slack_m(decision.made_odds, decision.delta_m[rows], decision.variance_m2[rows])
         parts.append(MergesMade(planes.tracks[pairs.first[rows]], planes.tracks[pairs.second[rows]], decision.made_odds, slack))
     return join_merges(parts)
+
+
+def _of_graph(move: PlaneMove, tracks: Array) -> PlaneMove:
+    """A move of a system's columns in tracks of the graph."""
+    source, target = (None if column is None else int(tracks[column]) for column in (move.source, move.target))
+    return replace(move, tracks=tuple(int(tracks[column]) for column in move.tracks), source=source, target=target)
 
 
 def _result(

@@ -9,6 +9,7 @@ from floorplan.model.checks import Array, freeze
 from floorplan.model.error_parts import ErrorParts
 from floorplan.model.merges_made import MergesMade
 from floorplan.model.noise import ScanNoise
+from floorplan.model.plane_moves import PlaneMove
 from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration
 
@@ -143,7 +144,8 @@ class MergeResult:
     `plane_of_track (M,)` component of each track under the accepted hypotheses. `track_offset_m (M,)` and
     `position_m (N, 3)`: the L1 solution before thresholding (`paper`), or the solution at the decision.
     `objective` `||E xi||_1`, `delta_m` radius of the ball, `residual_m` `||A xi - b||_2` there. `noise` is what the decisions
-    and the re-solve weight their rows with; None: unweighted. `made`: every merge with its odds, None where the method has none.
+    and the re-solve weight their rows with; None: unweighted. `made`: every merge with its odds, None where the method has none;
+    `moves` what was changed once everything was merged.
     """
 
     method: str
@@ -156,6 +158,7 @@ class MergeResult:
     residual_m: float
     noise: ScanNoise | None = None
     made: MergesMade | None = None
+    moves: tuple[PlaneMove, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(
