@@ -77,7 +77,7 @@ def _told(label: Array, best: Best) -> PlaneMove:
 
 
 def _redecided(question: Question, decision: Decision, fit: PlaneFit, links: Links) -> Decision:
-    """The decision after moves: numbers of the pairs they changed, and for each plane they changed a tree of merges as sure as it is now."""
+    """The decision after moves: pairs they changed have its numbers, planes they changed a new tree of merges."""
     first, second = question.first, question.second
     before, label = _compact(decision.plane), fit.label
     delta, variance = decision.delta_m.copy(), decision.variance_m2.copy()

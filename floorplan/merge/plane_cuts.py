@@ -147,4 +147,5 @@ def choosing(fit: PlaneFit, plane: int, chi_square: float, taken: int, tracks: i
     for t in range(len(fit.label)):
         if fit.label[t] == plane:
             unused += 1.0 - fit.U[plane, t] - fit.residual_m[t] * fit.pull[t]
-    return 0.5 * max(unused - np.sqrt(2.0 * (tracks - 2.0)), 0.0)
+    spare: float = 0.5 * max(unused - np.sqrt(2.0 * (tracks - 2.0)), 0.0)
+    return spare

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floorplan.compiled import compiled
-from floorplan.merge.evidence_live import LOG_TWO_PI, SAME_M2, score
+from floorplan.merge.evidence_live import SAME_M2, score
 from floorplan.merge.plane_fit import PlaneFit
 from floorplan.model.checks import Array
 
