@@ -58,8 +58,8 @@ class Corrections:
 
     def merged(self, layout: InitialLayout) -> MergeResult:
         """The merge, with what a person forbade or forced."""
-        result = merge(layout.graph, layout.least_squares, self.config.merge)
         edits = self.edits
+        result = merge(layout.graph, layout.least_squares, self.config.merge, edits)
         if not edits.never_merge and not edits.always_merge:
             return result
         return edit_merge(layout.graph, layout.before_merge(result.method), result, edits)
@@ -82,7 +82,7 @@ class Corrections:
             return plan
         base = self.named(plan)
         start = known.layout.before_merge(known.merged.method)
-        notes = [*merge_notes(known.layout.graph, start, edits), *furniture_notes(base, edits)]
+        notes = [*merge_notes(known.layout.graph, start, known.merged, edits), *furniture_notes(base, edits)]
         if gone := furniture_tracks(base, edits):
             base = self.named(self.drawn(known, solution, without_tracks(known.layout.tracks, gone)))
         edited = edit_plan(base, edits)

@@ -1,6 +1,7 @@
 """The stages' functions, each imported when it is called: a build that finds a stage finished waits for none of its libraries."""
 
 from floorplan.config import IngestConfig, MergeConfig, PlanConfig, ResolveConfig
+from floorplan.edits.file import Edits
 from floorplan.model.graph import LayoutGraph, LayoutSolution, LeastSquaresSolution, MergeResult
 from floorplan.model.plan import Plan
 from floorplan.model.scan import IngestedScan, Trajectory
@@ -16,11 +17,12 @@ def ingest(source: Source, config: IngestConfig, steps: Steps) -> IngestedScan:
     return run(source, config, steps)
 
 
-def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
-    """See `floorplan.merge`."""
+def merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig, edits: Edits) -> MergeResult:
+    """See `floorplan.merge`: with what a person forbade."""
+    from floorplan.edits.merges import never_merged
     from floorplan.merge import merge as run
 
-    return run(graph, least_squares, config)
+    return run(graph, least_squares, config, never_merged(graph, edits))
 
 
 def resolve(graph: LayoutGraph, merged: MergeResult, config: ResolveConfig) -> LayoutSolution:

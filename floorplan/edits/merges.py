@@ -1,6 +1,7 @@
-"""Merges forbidden or forced by hand, applied to the decisions of the merge, whichever method made them."""
+"""Merges by hand: those forbidden are a constraint of the merge, those forced are added to its decisions, whichever method made them."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,34 +9,46 @@ from floorplan.edits.file import Edits, TrackPair
 from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult, Verdict
 
+if TYPE_CHECKING:
+    from floorplan.merge.hypotheses import Pairs  # at run time inside functions: a build that finds its merge finished does without
+
+
+def never_merged(graph: LayoutGraph, edits: Edits) -> "Pairs":
+    """The pairs of `never_merge` that can be meant: the merge keeps their tracks on different planes, whatever else it decides."""
+    from floorplan.merge.hypotheses import Pairs
+
+    pairs = sorted({(min(p.first, p.second), max(p.first, p.second)) for p in edits.never_merge if not _fault(graph, p)})
+    both = np.array(pairs, dtype=np.int64).reshape(len(pairs), 2)
+    return Pairs(both[:, 0], both[:, 1])
+
 
 def edit_merge(graph: LayoutGraph, least_squares: LeastSquaresSolution, merged: MergeResult, edits: Edits) -> MergeResult:
-    """The decisions with those of a person in place of the method's.
+    """The decisions of a merge that kept the pairs of `never_merge` apart, with the planes of `always_merge` joined.
 
-    `never_merge`: where both tracks went to one plane, its tracks are shared out to whichever of the two they lie nearer to
-    after least squares. `always_merge`: the planes of both tracks become one. Pairs that do not apply are left out.
+    Pairs that do not apply are left out, and so are those of `always_merge` that would join a pair of `never_merge`.
     """
-    label = merged.plane_of_track.copy()
-    hypotheses = merged.hypotheses
-    for pair in edits.never_merge:
-        if not _fault(graph, pair) and label[pair.first] == label[pair.second]:
-            label = _split(label, least_squares.track_offset_m, pair)
-    hypotheses = _judged(hypotheses, label, [p for p in edits.never_merge if not _fault(graph, p)], Verdict.FORBIDDEN)
+    from floorplan.merge.hypotheses import numbered
+
+    label, never = merged.plane_of_track.copy(), never_merged(graph, edits)
+    hypotheses = _forbidden(merged.hypotheses, never)
     for pair in edits.always_merge:
-        if not _fault(graph, pair):
-            label = np.where(label == label[pair.second], label[pair.first], label)
-            hypotheses = _forced(hypotheses, least_squares.track_offset_m, pair)
-    made = None if merged.made is None else merged.made.only(label[merged.made.first] == label[merged.made.second])
-    return replace(merged, plane_of_track=_numbered(label), hypotheses=hypotheses, made=made)
+        if _fault(graph, pair):
+            continue
+        joined = np.where(label == label[pair.second], label[pair.first], label)
+        if (joined[never.first] != joined[never.second]).all():
+            label, hypotheses = joined, _forced(hypotheses, least_squares.track_offset_m, pair)
+    return replace(merged, plane_of_track=numbered(label), hypotheses=hypotheses)
 
 
-def merge_notes(graph: LayoutGraph, least_squares: LeastSquaresSolution, edits: Edits) -> tuple[str, ...]:
+def merge_notes(graph: LayoutGraph, least_squares: LeastSquaresSolution, merged: MergeResult, edits: Edits) -> tuple[str, ...]:
     """What was done by hand and what could not be, one sentence each, for the plan's notes."""
-    notes = []
+    notes, plane = [], merged.plane_of_track
     for word, pairs in (("never_merge", edits.never_merge), ("always_merge", edits.always_merge)):
         for pair in pairs:
-            name = f"{word} tracks {pair.first} and {pair.second}"
-            if fault := _fault(graph, pair):
+            name, fault = f"{word} tracks {pair.first} and {pair.second}", _fault(graph, pair)
+            if not fault and word == "always_merge" and plane[pair.first] != plane[pair.second]:
+                fault = "never_merge keeps their planes apart"
+            if fault:
                 notes.append(f"Edit not applied: {name}: {fault}.")
             else:
                 apart = abs(least_squares.track_offset_m[pair.first] - least_squares.track_offset_m[pair.second])
@@ -54,20 +67,12 @@ def _fault(graph: LayoutGraph, pair: TrackPair) -> str:
     return ""
 
 
-def _split(label: Array, offset_m: Array, pair: TrackPair) -> Array:
-    mine = label == label[pair.first]
-    nearer_second = np.abs(offset_m - offset_m[pair.second]) < np.abs(offset_m - offset_m[pair.first])
-    leaves = mine & nearer_second
-    leaves[pair.first], leaves[pair.second] = False, True
-    return np.where(leaves, label.max() + 1, label)
-
-
-def _judged(hypotheses: Hypotheses, label: Array, pairs: list[TrackPair], verdict: Verdict) -> Hypotheses:
-    """Accepted pairs that now lie in the two halves of a plane that was split."""
-    if not pairs:
-        return hypotheses
-    apart = hypotheses.accepted & (label[hypotheses.first] != label[hypotheses.second])
-    return replace(hypotheses, verdict=tuple(verdict if a else v for a, v in zip(apart, hypotheses.verdict, strict=True)))
+def _forbidden(hypotheses: Hypotheses, never: "Pairs") -> Hypotheses:
+    """The pairs a person forbade, told so."""
+    size = int(max(hypotheses.first.max(initial=0), hypotheses.second.max(initial=0), never.second.max(initial=0))) + 1
+    low, high = np.minimum(hypotheses.first, hypotheses.second), np.maximum(hypotheses.first, hypotheses.second)
+    mine = np.isin(low * size + high, never.first * size + never.second)
+    return replace(hypotheses, verdict=tuple(Verdict.FORBIDDEN if m else v for m, v in zip(mine, hypotheses.verdict, strict=True)))
 
 
 def _forced(hypotheses: Hypotheses, offset_m: Array, pair: TrackPair) -> Hypotheses:
@@ -87,11 +92,3 @@ def _forced(hypotheses: Hypotheses, offset_m: Array, pair: TrackPair) -> Hypothe
         chi_square=np.append(hypotheses.chi_square, np.nan),
         verdict=(*hypotheses.verdict, Verdict.FORCED),
     )
-
-
-def _numbered(label: Array) -> Array:
-    """Labels 0..L-1 in order of their first track."""
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return np.asarray(rank[inverse])

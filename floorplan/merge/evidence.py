@@ -11,7 +11,7 @@ from floorplan.merge.evidence_greedy import Decision, Question, decide
 from floorplan.merge.evidence_moves import move_tracks
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
 from floorplan.merge.evidence_verdicts import join_hypotheses, system_hypotheses
-from floorplan.merge.hypotheses import Pairs
+from floorplan.merge.hypotheses import Pairs, numbered
 from floorplan.merge_slack import slack_m
 from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult
@@ -27,6 +27,15 @@ SMALLEST_BIAS_M = 0.0015  # for decisions: one short track in a hundred is off b
 
 
 @dataclass(frozen=True)
+class _Asked:
+    """What both rounds are about."""
+
+    graph: LayoutGraph
+    noise: ScanNoise
+    config: MergeConfig
+
+
+@dataclass(frozen=True)
 class _Decided:
     """One round over one system: its pairs, what was asked, what was decided, what was moved afterwards (tracks of the system)."""
 
@@ -36,24 +45,26 @@ class _Decided:
     moves: tuple[PlaneMove, ...]
 
 
-def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig) -> MergeResult:
-    """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence"."""
+def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig, never: Pairs) -> MergeResult:
+    """Best-first merging gated by the joint covariance of the planes; see docs/back-end.md, "Evidence". Pairs of `never` stay apart."""
     noise = least_squares.noise or estimate_noise(graph)
     known = known_systems(graph, noise)
     systems = _planes_of_systems(graph, noise, known)
     usual = Bias(PRIOR_BIAS_M, PRIOR_SHARE)
     apart = [seen_apart(graph, noise.sigma_m, usual.of(planes.row_sigma_m), planes) for planes in systems]
     bias = bias_before_merging(systems, apart)
-    first = [_decided(graph, noise, bias, planes, None, config) for planes in systems]
+    barred = [_of_system(never, planes, len(graph.axis)) for planes in systems]
+    asked = _Asked(graph, noise, config)
+    first = [_decided(asked, bias, planes, bars, None) for planes, bars in zip(systems, barred, strict=True)]
     bias = bias_of_merged(systems, [made.decision.plane for made in first], bias)
-    second = [_decided(graph, noise, bias, planes, made.decision.plane, config) for planes, made in zip(systems, first, strict=True)]
+    second = [_decided(asked, bias, planes, bars, made.decision.plane) for planes, bars, made in zip(systems, barred, first, strict=True)]
     bias = bias_of_merged(systems, [made.decision.plane for made in second], bias)
     noise = replace(noise, bias_sigma_m=bias.constant_m, bias_share=bias.share)
     label = np.arange(len(graph.axis))
     for planes, made in zip(systems, second, strict=True):
         label[planes.tracks] = planes.tracks[made.decision.plane]
     parts = [system_hypotheses(planes, made.pairs, made.question, made.decision) for planes, made in zip(systems, second, strict=True)]
-    plane_of_track = _numbered(label)
+    plane_of_track = numbered(label)
     merges = _merges_made([(planes, one.pairs, one.decision) for planes, one in zip(systems, second, strict=True)])
     moves = tuple(_of_graph(move, planes.tracks) for planes, one in zip(systems, second, strict=True) for move in one.moves)
     return replace(_result(graph, noise, plane_of_track, join_hypotheses(parts), known, merges), moves=moves)
@@ -87,15 +98,17 @@ def _with_bias(planes: Planes, bias_m: Array) -> Planes:
     return replace(planes, covariance_m2=covariance)
 
 
-def _decided(graph: LayoutGraph, noise: ScanNoise, bias: Bias, planes: Planes, known: Array | None, config: MergeConfig) -> _Decided:
-    """One round of merging under `noise` and `bias`; `known (T,)` is the round before, to count distinct planes by."""
+def _decided(asked: _Asked, bias: Bias, planes: Planes, never: Pairs, known: Array | None) -> _Decided:
+    """One round of merging; `never` pairs stay apart, `known (T,)` is the round before, to count distinct planes by."""
+    graph, noise, config = asked.graph, asked.noise, asked.config
     each_m = np.maximum(bias.of(planes.row_sigma_m), SMALLEST_BIAS_M)
     planes = _with_bias(planes, each_m)
-    pairs = gated_pairs(planes)
+    pairs = _with_barred(gated_pairs(planes), never, len(planes.tracks))
     variance = pair_variance_m2(planes, pairs)
     apart = seen_apart(graph, noise.sigma_m, each_m, planes)
     count = len(planes.tracks)
-    barred = np.isin(pairs.first * count + pairs.second, apart.first * count + apart.second)
+    bars = np.concatenate([apart.first * count + apart.second, never.first * count + never.second])
+    barred = np.isin(pairs.first * count + pairs.second, bars)
     delta = planes.offset_m[pairs.first] - planes.offset_m[pairs.second]
     question = Question(pairs.first, pairs.second, delta, variance, log_prior(planes, pairs, variance, known), barred)
     decision = decide(question, planes.covariance_m2)
@@ -105,12 +118,19 @@ def _decided(graph: LayoutGraph, noise: ScanNoise, bias: Bias, planes: Planes, k
     return _Decided(pairs, question, moved.decision, moved.moves)
 
 
-def _numbered(label: Array) -> Array:
-    """Labels 0..L-1 in order of their first track."""
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return np.asarray(rank[inverse])
+def _of_system(never: Pairs, planes: Planes, tracks: int) -> Pairs:
+    """The pairs of `never` that a system has, by its columns."""
+    column = np.full(tracks, -1)
+    column[planes.tracks] = np.arange(len(planes.tracks))
+    a, b = column[never.first], column[never.second]
+    mine = (a >= 0) & (b >= 0)
+    return Pairs(np.minimum(a, b)[mine], np.maximum(a, b)[mine])
+
+
+def _with_barred(pairs: Pairs, never: Pairs, count: int) -> Pairs:
+    """The pairs and those of `never` besides: only what is asked can be told from the components that hold it."""
+    new = ~np.isin(never.first * count + never.second, pairs.first * count + pairs.second)
+    return Pairs(np.append(pairs.first, never.first[new]), np.append(pairs.second, never.second[new]))
 
 
 def _merges_made(systems: Sequence[tuple[Planes, Pairs, Decision]]) -> MergesMade:

@@ -29,6 +29,11 @@ class Pairs:
         return Pairs(self.first[rows], self.second[rows])
 
 
+def no_pairs() -> Pairs:
+    """No pair at all."""
+    return Pairs(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+
+
 def pairs_within(graph: LayoutGraph, track_offset_m: Array, radius_m: float) -> Pairs:
     """All pairs of tracks of equal axis and facing whose offsets differ by at most `radius_m`, sorted.
 
@@ -46,7 +51,7 @@ def pairs_within(graph: LayoutGraph, track_offset_m: Array, radius_m: float) -> 
         first.append(track[left])
         second.append(track[right])
     if not first:
-        return Pairs(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+        return no_pairs()
     both = np.sort(np.stack((np.concatenate(first), np.concatenate(second)), axis=1), axis=1)
     order = np.lexsort((both[:, 1], both[:, 0]))
     return Pairs(both[order, 0], both[order, 1])
@@ -55,8 +60,12 @@ def pairs_within(graph: LayoutGraph, track_offset_m: Array, radius_m: float) -> 
 def planes_of_tracks(tracks: int, accepted: Pairs) -> Array:
     """Connected components of the accepted pairs (M,), numbered by their first track."""
     links = sparse.coo_array((np.ones(len(accepted)), (accepted.first, accepted.second)), shape=(tracks, tracks))
-    label = csgraph.connected_components(links, directed=False)[1]
-    _, first, component = np.unique(label, return_index=True, return_inverse=True)
+    return numbered(csgraph.connected_components(links, directed=False)[1])
+
+
+def numbered(label: Array) -> Array:
+    """Labels 0..L-1 in order of their first track."""
+    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))
-    return np.asarray(rank[component])
+    return np.asarray(rank[inverse])
