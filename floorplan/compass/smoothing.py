@@ -18,6 +18,7 @@ _READING_SCALE_RANGE = (0.2, 5.0)
 SHARED_ERRORS = 1.0  # least factor on the readings' sigma where neighbouring ones err alike: their differences hide it
 _MEAN_OF_MEDIAN_SQUARE = 2.198  # mean over median of a squared normal variable
 _READING_SCALES = 0.25 * np.sqrt(2.0) ** np.arange(10)  # 0.25 to 5.7 by steps of 1.4: finer ones change nothing
+_LOG_SCALE_SIGMA = math.log(1.5)  # readings tell their own sigma to a half; where the walk hides it, nothing else does
 _WALK_SIZES_RAD = np.radians(np.geomspace(0.005, 5.0, 19))  # per unit of `step_scale`: the best odometry and the worst
 _FIRST_READINGS = 7
 _STRAY_SHARE = 0.05  # of the readings, of furniture or another building wing ...
@@ -111,8 +112,9 @@ def _likely_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array, most_sc
     variance, walk = sigma_rad**2, step_scale**2
     best, most = (1.0, _DEFAULT_WALK_RAD), -np.inf
     for factor in _READING_SCALES[most_scale >= _READING_SCALES]:
+        prior = -0.5 * (math.log(factor) / _LOG_SCALE_SIGMA) ** 2
         for size in _WALK_SIZES_RAD:
-            likelihood = _log_likelihood(angle_rad, factor**2 * variance, np.maximum(size**2 * walk, _MIN_STEP_SIGMA_RAD**2))
+            likelihood = prior + _log_likelihood(angle_rad, factor**2 * variance, np.maximum(size**2 * walk, _MIN_STEP_SIGMA_RAD**2))
             if likelihood > most:
                 best, most = (float(factor), float(size)), likelihood
     return best

@@ -17,8 +17,8 @@ _OTHER_VIEW_RAD, _OTHER_VIEW_M = np.deg2rad(8.0), 0.25  # so that the sensor's p
 _MOST_TOGETHER = 8  # parallel segments in one keyframe that are compared with each other
 _FEWEST = 60  # double differences that tell three sizes
 _ROUNDS = 8
-_STRAY = 3.0  # standard deviations: two surfaces taken for one
-_KEPT_VARIANCE = 0.973  # of a normal variable cut off there
+_STRAY = 4.0  # standard deviations: two surfaces taken for one; nearer ones are views worse than most
+_KEPT_VARIANCE = 0.9989  # of a normal variable cut off there
 _NOISE_RANGE, _TURN_RANGE = (0.5, 5.0), (0.5, 2.0)  # factors on standard deviations; further off, something else is wrong
 _LEAST_M2 = 1e-12
 

@@ -10,6 +10,7 @@ from floorplan.segments.values import SegmentedChunk
 
 _LEAST_BLOCKS = 12  # of a segment whose ripple can be told from noise
 _ORDINARY = 2.0  # the sensor's own ripple varies by this factor from surface to surface
+_BY_CHANCE = 2.0  # standard deviations of what white noise alone makes of a ripple
 
 
 @dataclass(frozen=True)
@@ -26,5 +27,14 @@ def ripple_of(chunks: Sequence[SegmentedChunk]) -> Ripple:
     square = np.concatenate([np.zeros(0), *(c.ripple_m2 for c in chunks)])
     large = np.concatenate([np.zeros(0), *(c.blocks for c in chunks)]) >= _LEAST_BLOCKS
     typical = max(float(np.median(square[large])), 0.0) if large.any() else 0.0
-    excess = np.maximum(square - _ORDINARY**2 * typical, 0.0)
-    return Ripple(float(np.sqrt(typical)), np.sqrt(np.where(large, excess, 0.0)))
+    excess = square - _ORDINARY**2 * typical
+    own = large & (excess > _BY_CHANCE * _of_white_noise_m2(chunks))
+    return Ripple(float(np.sqrt(typical)), np.sqrt(np.where(own, excess, 0.0)))
+
+
+def _of_white_noise_m2(chunks: Sequence[SegmentedChunk]) -> Array:
+    """Standard deviation (S,) of the ripple of flat surfaces whose pixels err alone: that of a mean of squares of `blocks` means.
+
+    The squares of those have the mean `blocks sigma_m^2`, for `sigma_m` of a segment is that of the mean of its blocks.
+    """
+    return np.concatenate([np.zeros(0), *(np.sqrt(2.0 * c.blocks) * c.segments.sigma_m**2 for c in chunks)])

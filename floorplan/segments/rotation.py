@@ -14,7 +14,7 @@ from floorplan.model.checks import Array
 from floorplan.model.segment import Segments
 from floorplan.segments.ripple import Ripple
 
-_FLATNESS_M = 0.0003  # of a depth in whole millimetres: what a wall met head-on shares all over
+_FLATNESS_M = 0.00005  # what a wall shares all over though its blocks do not show it: whole millimetres, blurred by noise of 0.3 mm and more
 _TILT_PRIOR_RAD = math.radians(0.5)  # of gravity's direction
 _YAW_PRIOR_RAD = math.radians(2.0)  # of the yaw the frame was labelled under
 _CAUCHY = 3.0  # standard deviations at which a segment's own inclination halves its weight
