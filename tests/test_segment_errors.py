@@ -8,11 +8,13 @@ from floorplan.geometry import rotation_about_z
 from floorplan.grid.normals import NoiseScale, pixel_weights, surface_normals
 from floorplan.model.scan import Intrinsics, NoiseModel, Sensor, SensorKind
 from floorplan.model.segment import Segments
+from floorplan.segments.chunk import join_evidence, join_patches
 from floorplan.segments.error_sizes import SegmentErrors, learnt_sizes
 from floorplan.segments.fit import Column, fit_components
-from floorplan.segments.ripple import Ripple
+from floorplan.segments.ripple import Ripple, ripple_of
 from floorplan.segments.rotation import corrections
 from floorplan.segments.surfaces import surface_of_segment
+from floorplan.segments.values import SegmentedChunk
 
 NOISE = NoiseModel(0.002, 0.0, 0.003)  # 3 cm at 3 m: structured light
 FRAMES = 240
@@ -143,3 +145,34 @@ def test_a_heading_that_trembles_is_the_odometrys_and_good_readings_are_followed
     reading = truth + random.normal(scale=0.0002, size=500)
     smooth = smooth_angle(reading, np.full(500, 0.0002), np.ones(499), slips=True, most_scale=1.0)
     assert np.sqrt(((smooth.angle_rad - truth) ** 2).mean()) < 0.0003
+
+
+def test_readings_are_as_sure_as_they_say_where_the_heading_wanders_more_than_they_err() -> None:
+    random = np.random.default_rng(9)
+    sigma, count = 0.0001, 24
+    heading = np.cumsum(random.normal(size=count) * 0.0015)  # far more than the readings' noise from one to the next
+    smooth = smooth_angle(
+        heading + random.normal(size=count) * sigma, np.full(count, sigma), np.ones(count - 1), slips=True, most_scale=1.0
+    )
+    z = (smooth.angle_rad - heading) / smooth.sigma_rad
+    assert 0.6 < np.sqrt((z**2).mean()) < 1.6
+
+
+def test_a_ripple_that_white_noise_alone_makes_is_no_second_surface() -> None:
+    blocks, sigma_m, rows = 40, 0.0002, 500
+    by_chance = np.sqrt(2 * blocks) * sigma_m**2 * np.random.default_rng(5).normal(size=rows)
+    two_in_one = np.r_[by_chance, 0.003**2]
+    own_m = own_ripple_m(two_in_one, np.full(rows + 1, blocks), np.full(rows + 1, sigma_m))
+    assert 0.002 < own_m[-1] < 0.0031
+    assert 0 < np.count_nonzero(own_m[:-1]) < 0.06 * rows
+
+
+def own_ripple_m(ripple_m2: np.ndarray, blocks: np.ndarray, sigma_m: np.ndarray) -> np.ndarray:
+    """Of one keyframe's segments of the given ripple."""
+    count = len(blocks)
+    row, box, point, scatter = np.zeros(count), np.zeros((count, 3, 2)), np.zeros((count, 3)), np.zeros((count, 3, 3))
+    segments = Segments(row, row, row + 1, row, sigma_m, row, row, box, point, scatter)
+    chunk = SegmentedChunk(
+        np.zeros(1), np.eye(3)[None], np.zeros(1), np.ones(1), segments, ripple_m2, blocks, join_patches([]), join_evidence([], [])
+    )
+    return np.asarray(ripple_of([chunk]).own_m)
