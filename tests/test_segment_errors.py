@@ -152,17 +152,17 @@ def test_readings_are_as_sure_as_they_say_where_the_heading_wanders_more_than_th
     sigma, count = 0.0001, 24
     heading = np.cumsum(random.normal(size=count) * 0.0015)  # far more than the readings' noise from one to the next
     smooth = smooth_angle(
-        heading + random.normal(size=count) * sigma, np.full(count, sigma), np.ones(count - 1), slips=True, most_scale=1.0
+        heading + random.normal(size=count) * sigma, np.full(count, sigma), np.ones(count - 1), slips=True, most_scale=1.0, white_scale=0.7
     )
     z = (smooth.angle_rad - heading) / smooth.sigma_rad
     assert 0.6 < np.sqrt((z**2).mean()) < 1.6
 
 
 def test_a_ripple_that_white_noise_alone_makes_is_no_second_surface() -> None:
-    blocks, sigma_m, rows = 40, 0.0002, 500
-    by_chance = np.sqrt(2 * blocks) * sigma_m**2 * np.random.default_rng(5).normal(size=rows)
-    two_in_one = np.r_[by_chance, 0.003**2]
-    own_m = own_ripple_m(two_in_one, np.full(rows + 1, blocks), np.full(rows + 1, sigma_m))
+    blocks, white_m2, rows = 40, 1.6e-6, 500
+    by_chance = np.sqrt(2 / blocks) * white_m2 * np.random.default_rng(5).normal(size=rows)
+    ripple_m2 = np.r_[by_chance, 0.003**2]
+    own_m = own_ripple_m(ripple_m2, np.full(rows + 1, blocks), np.sqrt((white_m2 + ripple_m2) / blocks))
     assert 0.002 < own_m[-1] < 0.0031
     assert 0 < np.count_nonzero(own_m[:-1]) < 0.06 * rows
 

@@ -18,7 +18,6 @@ _READING_SCALE_RANGE = (0.2, 5.0)
 SHARED_ERRORS = 1.0  # least factor on the readings' sigma where neighbouring ones err alike: their differences hide it
 _MEAN_OF_MEDIAN_SQUARE = 2.198  # mean over median of a squared normal variable
 _READING_SCALES = 0.25 * np.sqrt(2.0) ** np.arange(10)  # 0.25 to 5.7 by steps of 1.4: finer ones change nothing
-_LOG_SCALE_SIGMA = math.log(1.5)  # readings tell their own sigma to a half; where the walk hides it, nothing else does
 _WALK_SIZES_RAD = np.radians(np.geomspace(0.005, 5.0, 19))  # per unit of `step_scale`: the best odometry and the worst
 _FIRST_READINGS = 7
 _STRAY_SHARE = 0.05  # of the readings, of furniture or another building wing ...
@@ -46,6 +45,7 @@ def smooth_angle(
     least_scale: float = 0.0,
     slips: bool = False,
     most_scale: float = _READING_SCALE_RANGE[1],
+    white_scale: float = 0.0,
 ) -> SmoothedAngle:
     """Random-walk smoothing of `angle_rad (K,)` with `sigma_rad (K,)` (infinite where nothing was read).
 
@@ -53,9 +53,10 @@ def smooth_angle(
     the readings' own noise (at least `least_scale` of their sigma) are learnt from the readings; readings far off are down-weighted.
     `slips`: the walk may rest for long and then move by much within a few steps, as phones' headings do; then the readings' own
     noise is at most `most_scale` of their sigma: a pose that trembles from frame to frame is the odometry's, and looks the same.
+    And it is at least `white_scale`, which no two readings share: where the walk is large, differences do not show it.
     """
     if slips:
-        reading_scale, walk_size = _likely_sizes(angle_rad, sigma_rad, step_scale, most_scale)
+        reading_scale, walk_size = _likely_sizes(angle_rad, sigma_rad, step_scale, (white_scale, most_scale))
     else:
         reading_scale, walk_size = _noise_sizes(angle_rad, sigma_rad, step_scale)
     step = np.maximum(walk_size * step_scale, _MIN_STEP_SIGMA_RAD)
@@ -101,7 +102,7 @@ def _noise_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array) -> tuple
     return float(np.clip(factor, *_READING_SCALE_RANGE)), float(size)
 
 
-def _likely_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array, most_scale: float) -> tuple[float, float]:
+def _likely_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array, scale_range: tuple[float, float]) -> tuple[float, float]:
     """Factor on the readings' sigma, and size of the walk, that make the readings most likely, each predicted from those before.
 
     Most odometry holds its heading for long and then slips by degrees within a few steps: typical differences say
@@ -111,10 +112,9 @@ def _likely_sizes(angle_rad: Array, sigma_rad: Array, step_scale: Array, most_sc
         return 1.0, _DEFAULT_WALK_RAD
     variance, walk = sigma_rad**2, step_scale**2
     best, most = (1.0, _DEFAULT_WALK_RAD), -np.inf
-    for factor in _READING_SCALES[most_scale >= _READING_SCALES]:
-        prior = -0.5 * (math.log(factor) / _LOG_SCALE_SIGMA) ** 2
+    for factor in _READING_SCALES[(scale_range[0] <= _READING_SCALES) & (scale_range[1] >= _READING_SCALES)]:
         for size in _WALK_SIZES_RAD:
-            likelihood = prior + _log_likelihood(angle_rad, factor**2 * variance, np.maximum(size**2 * walk, _MIN_STEP_SIGMA_RAD**2))
+            likelihood = _log_likelihood(angle_rad, factor**2 * variance, np.maximum(size**2 * walk, _MIN_STEP_SIGMA_RAD**2))
             if likelihood > most:
                 best, most = (float(factor), float(size)), likelihood
     return best

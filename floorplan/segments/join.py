@@ -21,6 +21,7 @@ from floorplan.segments.surfaces import surface_of_segment
 from floorplan.segments.values import SegmentedChunk
 
 _UNKNOWN_SIZES = ErrorSizes(noise=1.0, turn=1.0, hidden_m=0.0003)  # where the recording cannot tell: 0.3 mm are left of quantisation
+_KNOWN_TO = 0.7  # pixels tell the white part of a frame's error this well at least
 _TILT_SIGMA_RAD = 0.005  # of frames whose roll and pitch nothing confirms: 0.3 degrees of gravity
 
 
@@ -81,9 +82,11 @@ def _smoothed(segments: Segments, rough: Array, prior: CompassPrior, ripple: Rip
     yaw = prior.yaw_rad + wrap_to(yaw - prior.yaw_rad, 2 * np.pi)
     walk = heading_walk(prior.turn_rad, prior.step_m)
     reading_sigma = found.sigma_rad[:, 2]
-    least, slips = SHARED_ERRORS if sweeps else 0.0, not sweeps
-    heading = smooth_angle(yaw + found.delta_rad[:, 2], reading_sigma, walk, least, slips, most_scale=1.0)
-    tilt = [smooth_angle(found.delta_rad[:, a], found.sigma_rad[:, a], walk, slips=slips, most_scale=1.0) for a in (0, 1)]
+    least, slips, white = SHARED_ERRORS if sweeps else 0.0, not sweeps, _KNOWN_TO * found.white
+    heading = smooth_angle(yaw + found.delta_rad[:, 2], reading_sigma, walk, least, slips, most_scale=1.0, white_scale=white)
+    tilt = [
+        smooth_angle(found.delta_rad[:, a], found.sigma_rad[:, a], walk, slips=slips, most_scale=1.0, white_scale=white) for a in (0, 1)
+    ]
     delta = np.stack((tilt[0].angle_rad, tilt[1].angle_rad, np.zeros(len(rough))), axis=1)
     rotation = small_rotation(delta) @ rotation_about_z(heading.angle_rad) @ prior.level_from_sensor
     tilt_sigma = [np.minimum(t.sigma_rad, _TILT_SIGMA_RAD) for t in tilt]

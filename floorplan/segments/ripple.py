@@ -33,8 +33,9 @@ def ripple_of(chunks: Sequence[SegmentedChunk]) -> Ripple:
 
 
 def _of_white_noise_m2(chunks: Sequence[SegmentedChunk]) -> Array:
-    """Standard deviation (S,) of the ripple of flat surfaces whose pixels err alone: that of a mean of squares of `blocks` means.
+    """Standard deviation (S,) of the ripple of flat surfaces whose pixels err alone, as the mean of `blocks` squares.
 
-    The squares of those have the mean `blocks sigma_m^2`, for `sigma_m` of a segment is that of the mean of its blocks.
+    Those squares have the mean `blocks sigma_m^2` (a segment's sigma is that of the mean of its blocks), of which the ripple is a part.
     """
-    return np.concatenate([np.zeros(0), *(np.sqrt(2.0 * c.blocks) * c.segments.sigma_m**2 for c in chunks)])
+    each = (np.sqrt(2.0 / np.maximum(c.blocks, 1)) * np.maximum(c.blocks * c.segments.sigma_m**2 - c.ripple_m2, 0.0) for c in chunks)
+    return np.concatenate([np.zeros(0), *each])

@@ -14,7 +14,9 @@ from floorplan.model.checks import Array
 from floorplan.model.segment import Segments
 from floorplan.segments.ripple import Ripple
 
-_FLATNESS_M = 0.00005  # what a wall shares all over though its blocks do not show it: whole millimetres, blurred by noise of 0.3 mm and more
+_FLATNESS_M = (
+    0.00005  # what a wall shares all over though its blocks do not show it: whole millimetres, blurred by noise of 0.3 mm and more
+)
 _TILT_PRIOR_RAD = math.radians(0.5)  # of gravity's direction
 _YAW_PRIOR_RAD = math.radians(2.0)  # of the yaw the frame was labelled under
 _CAUCHY = 3.0  # standard deviations at which a segment's own inclination halves its weight
@@ -26,12 +28,14 @@ _LEAST_INFORMATION = 4.0  # of the prior's: below, a frame's segments say nothin
 class RotationCorrections:
     """Small rotations `delta_rad (F, 3)` in the world about x, y, z; `sigma_rad (F, 3)`, infinite where nothing was seen.
 
-    `shared_rad (F, 3)` is the part of the sigma that neighbouring frames share, because the sensor's ripple does not average out.
+    `shared_rad (F, 3)` is the part of the sigma that neighbouring frames share, because the sensor's ripple does not average out;
+    `white` how large the rest is, as a part of the sigma.
     """
 
     delta_rad: Array
     sigma_rad: Array
     shared_rad: Array
+    white: float
 
 
 def corrections(segments: Segments, world_from_sensor: Array, ripple: Ripple) -> RotationCorrections:
@@ -56,7 +60,7 @@ def corrections(segments: Segments, world_from_sensor: Array, ripple: Ripple) ->
     seen = np.diagonal(information, axis1=1, axis2=2) > _LEAST_INFORMATION * np.diagonal(prior)
     white = segments.sigma_m**2 + _FLATNESS_M**2 + ripple.own_m**2
     share = ripple.sensor_m**2 / (ripple.sensor_m**2 + (float(np.median(white)) if len(white) else 1.0))
-    return RotationCorrections(delta, np.where(seen, np.sqrt(variance), np.inf), np.sqrt(share * variance))
+    return RotationCorrections(delta, np.where(seen, np.sqrt(variance), np.inf), np.sqrt(share * variance), math.sqrt(1 - share))
 
 
 def _misfit(matrix: Array, vector: Array, weight: Array, delta: Array) -> Array:

@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from shapely import LineString, Polygon
 
 from floorplan.model.checks import Array
 from tests.bench.score_input import Case
@@ -16,6 +17,7 @@ EYE_M = 1.5  # height at which wall-to-wall distances are taken
 MIN_SILL_M = 0.5  # a lower one is the frame of a glass wall
 SPANS = 300
 MISSED_M = 0.5
+BESIDE_M = 0.001  # a span inside a room may touch its outline
 LONG_SPAN_M = 5.0
 SNAP_M = 0.30  # a dimension's or wall's face belongs to a true one this near
 Z95 = 1.96
@@ -95,28 +97,46 @@ def wall_scores(case: Case) -> dict[str, Any]:
     }
 
 
-def span_scores(case: Case, seed: int = 0) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Spans:
+    """Wall-to-wall distances (N,): true, in the plan (NaN where it has none), and whether both ends are walls of one room."""
+
+    length_m: Array
+    plan_m: Array
+    in_room: Array
+
+
+def wall_to_wall(case: Case, seed: int = 0) -> Spans:
     """300 wall-to-wall distances along the axes through points on the path, plan against truth."""
     rng = np.random.default_rng(seed)
     true, drawn = true_lines(case, ("wall", "column", "jamb")), drawn_lines(case)[0]
     seen = true_lines(case, ("wall", "column", "jamb"), seen=True)
-    spans: list[tuple[float, float]] = []
+    rooms = [Polygon(space["outline"], space["holes"]).buffer(BESIDE_M) for space in case.truth["spaces"]]
+    spans: list[tuple[float, float, bool]] = []
     for _ in range(SPANS * 20):
         row, axis = int(rng.integers(len(case.path_true_m))), int(rng.integers(2))
         span = _span(true, case.path_true_m[row], axis)
         if span is None or not _ends_seen(seen, span, case.path_true_m[row], axis):
             continue
         found = _span(drawn, case.path_plan_m[row], axis)
-        spans.append((span[1] - span[0], np.nan if found is None else found[1] - found[0]))
+        ends = np.tile(case.path_true_m[row, :2], (2, 1))
+        ends[:, axis] = span
+        spans.append((span[1] - span[0], np.nan if found is None else found[1] - found[0], any(r.covers(LineString(ends)) for r in rooms)))
         if len(spans) == SPANS:
             break
-    length, plan = np.array(spans).reshape(-1, 2).T
-    error = np.abs(plan - length)
+    length, plan, in_room = np.array(spans, dtype=float).reshape(-1, 3).T
+    return Spans(length, plan, in_room > 0)
+
+
+def span_scores(case: Case, seed: int = 0) -> dict[str, Any]:
+    """How far `wall_to_wall` distances of the plan are off."""
+    spans = wall_to_wall(case, seed)
+    length, error = spans.length_m, np.abs(spans.plan_m - spans.length_m)
     good = error <= MISSED_M
     long = good & (length > LONG_SPAN_M)
     return {
-        "count": len(spans),
-        "missed": _share((~good).sum(), len(spans)),
+        "count": len(length),
+        "missed": _share((~good).sum(), len(length)),
         "mean_relative": _mean(error[good] / length[good]),
         "p95_m": float(np.percentile(error[good], 95)) if good.any() else None,
         "long_mean_relative": _mean(error[long] / length[long]),
