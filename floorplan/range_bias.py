@@ -14,7 +14,7 @@ import numpy as np
 from floorplan.frontal import log_marginal_likelihood
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
-from floorplan.model.noise import ScanNoise
+from floorplan.model.noise import DriftModel, ScanNoise
 from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import SensorKind
 from floorplan.model.segment import NO_TRACK, Segments, Tracks
@@ -24,7 +24,7 @@ from floorplan.windows import Window, windows
 
 _STEP = (1e-3, 1e-3)  # of scale (a part) and offset (m): the likelihood is quadratic, any step would do
 _PIECES, _FEWEST_FRAMES = 10, 40  # stretches of the walk that err on their own
-_ODOMETRY_SCALE_SIGMA = 0.01  # visual-inertial tracking knows its own scale to about a per cent: what differs may be its fault
+_ODOMETRY_SCALE_SIGMA = 0.01  # visual-inertial tracking knows its own lasting scale to about a per cent: what differs may be its fault
 _PRIOR_SIGMA = (0.05, 0.05)  # of a part, and m: no sensor in use is worse, and a scan that shows nothing says so
 
 
@@ -65,8 +65,18 @@ def estimate_range_bias(graph: LayoutGraph, noise: ScanNoise, solved: LeastSquar
     best = -inverse @ sum((q.gradient for q in parts), np.zeros(2))
     variance = np.diag(inverse) * max(_spread(parts, best), 1.0)
     bias_m = graph.range_accuracy.bias_sigma_m if graph.range_accuracy else 0.0
-    scale_sigma = np.hypot(np.sqrt(variance[0]), _ODOMETRY_SCALE_SIGMA)
+    scale_sigma = np.sqrt(variance[0] + _ODOMETRY_SCALE_SIGMA**2 + wandering_scale_variance(noise.drift, graph))
     return RangeBias(float(best[0]), float(scale_sigma), float(best[1]), float(np.hypot(np.sqrt(variance[1]), bias_m)))
+
+
+def wandering_scale_variance(drift: DriftModel, graph: LayoutGraph) -> float:
+    """Variance of the odometry's slowly varying scale in the mean over the whole path: neighbouring stretches err alike.
+
+    `2 l / L (1 - l / L (1 - exp(-L / l)))` of its own, for the correlation `exp(-s / l)` over a path L.
+    """
+    path_m = float(np.linalg.norm(graph.translation_m[:, :2], axis=1).sum())
+    part = drift.correlation_m / max(path_m, drift.correlation_m)
+    return drift.scale_sigma**2 * 2 * part * (1 - part * (1 - np.exp(-1 / part)))
 
 
 def _spread(parts: Sequence[_Quadratic], best: Array) -> float:

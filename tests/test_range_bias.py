@@ -9,9 +9,10 @@ from floorplan.config import ReadConfig
 from floorplan.errors import ConfigError
 from floorplan.least_squares import robust_least_squares
 from floorplan.model.graph import LayoutGraph
+from floorplan.model.noise import DriftModel
 from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import Frame, RangeAccuracy
-from floorplan.range_bias import estimate_range_bias
+from floorplan.range_bias import estimate_range_bias, wandering_scale_variance
 from floorplan.readers.corrected import corrected
 from floorplan.survey_advice import range_advice
 from tests.bench.scenes import paper_scene
@@ -51,6 +52,21 @@ def test_a_sensor_without_bias_is_not_accused_and_the_sigmas_hold(seed: int) -> 
     assert abs(found.offset_m) < 3 * found.offset_sigma_m
     assert 0.01 <= found.scale_sigma < 0.03
     assert 0.001 <= found.offset_sigma_m < 0.01
+
+
+@pytest.mark.parametrize("path_m", [10.0, 60.0, 300.0])
+def test_what_a_wandering_scale_leaves_in_the_mean_of_a_walk_is_what_drawn_walks_leave(path_m: float) -> None:
+    random, drift, steps = np.random.default_rng(4), DriftModel(0.005, 0.02, 0.02), 100
+    kept = np.exp(-path_m / steps / drift.correlation_m)
+    scale = drift.scale_sigma * random.normal(size=3000)
+    total = np.zeros(3000)
+    for _ in range(steps):
+        total += scale
+        scale = kept * scale + drift.scale_sigma * np.sqrt(1 - kept**2) * random.normal(size=3000)
+    graph = paper_scene("area4", 1).graph
+    count = len(graph.stamp_s) - 1
+    graph = replace(graph, translation_m=np.tile((path_m / count, 0.0, 0.0), (count, 1)))
+    assert np.sqrt(wandering_scale_variance(drift, graph)) == pytest.approx((total / steps).std(), rel=0.08)
 
 
 def test_advice_names_the_setting_and_speaks_only_of_what_is_sure() -> None:

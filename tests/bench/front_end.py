@@ -28,6 +28,7 @@ from floorplan.readers.base import Source
 from floorplan.segments import grid_stride, join, segment_chunk, segment_frame
 from floorplan.segments.labels import label_by_normals
 from floorplan.simulate.raycast import load_open3d
+from tests.bench.clutter import Cluttered
 from tests.bench.front_end_truth import FrontEndTruth, against_truth
 
 _FRAMES = 40
@@ -134,14 +135,19 @@ def run_stage(scan: IngestedScan, source: Source, config: Config) -> StageRun:
     return StageRun(join(scan, prior, chunks), time.process_time() - start, first)
 
 
-def stage_lines(folder: Path, variants: Sequence[str], truth: bool) -> list[str]:
-    """One row per variant (settings `section.key=value`, joined by commas): speed of the whole stage, its accuracy if asked."""
+def stage_lines(folder: Path, variants: Sequence[str], truth: bool, clutter: float = 0.0) -> list[str]:
+    """One row per variant (settings `section.key=value`, joined by commas): speed of the whole stage, its accuracy if asked.
+
+    `clutter`: the share of the pixels that patches at random angles hide.
+    """
     columns = [*_SPEED_COLUMNS, *(_ACCURACY_COLUMNS if truth else ())]
     lines = ["| " + " | ".join(columns) + " |", "| --- " * len(columns) + "|"]
     for variant in variants:
         config = load_config(None, [s for s in variant.split(",") if s])
         source = open_scan(folder)
         scan = ingest(source, config.ingest)
+        if clutter:
+            source = Cluttered(source, scan.recording, clutter)
         if variant == variants[0]:
             run_stage(scan, source, config)  # whatever is compiled or loaded on first use
         run = run_stage(scan, source, config)
@@ -179,10 +185,11 @@ def main() -> None:
     parser.add_argument("scan", type=Path)
     parser.add_argument("--truth", action="store_true", help="accuracy against the scan's truth.json")
     parser.add_argument("--stage-only", action="store_true", help="leave out the steps and the peers")
+    parser.add_argument("--clutter", type=float, default=0.0, help="share of the pixels hidden by patches at random angles")
     parser.add_argument("--variant", action="append", help="settings section.key=value, joined by commas; again for another row")
     asked = parser.parse_args()
     lines = [] if asked.stage_only else step_lines(asked.scan)
-    lines += stage_lines(asked.scan, asked.variant or [""], asked.truth)
+    lines += stage_lines(asked.scan, asked.variant or [""], asked.truth, asked.clutter)
     sys.stdout.write("\n".join(lines) + "\n")
 
 
