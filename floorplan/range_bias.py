@@ -76,7 +76,7 @@ def wandering_scale_variance(drift: DriftModel, graph: LayoutGraph) -> float:
     """
     path_m = float(np.linalg.norm(graph.translation_m[:, :2], axis=1).sum())
     part = drift.correlation_m / max(path_m, drift.correlation_m)
-    return drift.scale_sigma**2 * 2 * part * (1 - part * (1 - np.exp(-1 / part)))
+    return float(drift.scale_sigma**2 * 2 * part * (1 - part * (1 - np.exp(-1 / part))))
 
 
 def _spread(parts: Sequence[_Quadratic], best: Array) -> float:
