@@ -7,12 +7,12 @@ Of two rows k, l of one track, `D = (d_k + o_k) - (d_l + o_l)` (o the dead-recko
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.normal import MAD_TO_SIGMA
+from floorplan.non_negative import non_negative_least_squares
 
 LAGS = (1, 2, 4, 8, 16, 32)  # rows apart, in one track
 CLIP = 3.0  # a difference beyond this many sigma is an outlier and counts as just this many
@@ -74,7 +74,7 @@ def _non_negative(gram: Array, right: Array) -> Array:
     """Non-negative least squares by the normal equations: four unknowns, many rows."""
     scale = np.maximum(np.sqrt(np.diag(gram)), 1e-300)
     root = np.linalg.cholesky(gram / scale / scale[:, None] + GRAM_FLOOR * np.eye(len(scale)))
-    return np.asarray(nnls(root.T, np.linalg.solve(root, right / scale))[0] / scale)
+    return np.asarray(non_negative_least_squares(root.T, np.linalg.solve(root, right / scale)) / scale)
 
 
 def _differences(graph: LayoutGraph, usable: Array, axes: tuple[int, ...]) -> _Differences:

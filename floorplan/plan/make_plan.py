@@ -72,7 +72,7 @@ def make_plan(
 
 def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution, config: PlanConfig, workers: Executor) -> Plan:
     """The plan of one storey; `patches` of its frames, `workers` to follow rays."""
-    followed = workers.submit(free_space, world)
+    followed, levelled = workers.submit(free_space, world), workers.submit(level_points, world)
     planes, covariance = plan_planes(world, solution), joint_covariance(world, solution)
     ids = tuple(plane.id for plane in planes)
     surfaces = wall_surfaces(world, config, workers)
@@ -90,7 +90,7 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     path = world.trajectory.position_m[:, :2]
     openings = with_walls(find_openings(unglazed(gaps, faces, glazed, path), faces, path, surfaces.thick, config), walls)
     bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, unseen_steps, space, path), config)
-    level = level_points(world)
+    level = levelled.result()
     levels = tuple(room_height(room, level, world) for room in bare_rooms)
     rooms = described(bare_rooms, levels, faces, planes, covariance)
     lines = free_lines(patches, world, faces, config)
