@@ -3,21 +3,27 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtri
 
 from floorplan.compiled import compiled
 from floorplan.model.checks import Array
 from floorplan.model.merges_made import MergesMade
+from floorplan.model.normal import NORMAL_95
 
+SHARE_95 = 0.95  # what an interval is to hold
 NEGLIGIBLE_M = 1e-4  # no distance of a plan is known to this
 
 
 def slack_m(log_odds: Array, delta_m: Array, variance_m2: Array) -> Array:
-    """Root mean square (E,) of the distance between the two sides of a merge (E13).
+    """Standard deviation (E,) that stands for the distance between the two sides of a merge (E13).
 
-    With probability p the sides are one plane, else their distance is `N(delta, V)`: mean square `(1 - p) (V + delta^2)`.
+    With probability p the sides are one plane, else their distance is `N(delta, V)`: mean square `(1 - p) (V + delta^2)`. Where a merge is
+    wrong more than one time in twenty, 1.96 times the root of that holds less than 95 % of the distances: then what does.
     """
     wrong = 1.0 / (1.0 + np.exp(np.maximum(log_odds, 0.0)))  # below even odds it rests on other evidence: two halves of one plane
-    return np.asarray(np.sqrt(wrong * (variance_m2 + delta_m**2)))
+    tail = np.minimum(0.5 * (1.0 - SHARE_95) / wrong, 0.5)  # of the distances of wrong merges, on either side
+    share = np.maximum(np.sqrt(wrong), -ndtri(tail) / NORMAL_95)
+    return np.asarray(share * np.sqrt(variance_m2 + delta_m**2))
 
 
 class _Walk(NamedTuple):

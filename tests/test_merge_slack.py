@@ -9,8 +9,17 @@ from floorplan.merge_slack import slack_m, slack_of_tracks_m
 from floorplan.model.merges_made import MergesMade
 
 
-def test_a_merge_wrong_one_time_in_four_has_half_of_its_distance_as_slack() -> None:
-    assert slack_m(np.log([3.0]), np.array([0.03]), np.array([0.04**2]))[0] == pytest.approx(0.025)
+@pytest.mark.parametrize("odds", [0.0, 0.4, 1.1, 2.2])
+def test_an_interval_of_a_doubtful_merge_holds_95_percent_of_the_distances_that_may_be(odds: float) -> None:
+    rng = np.random.default_rng(5)
+    wrong = rng.random(200_000) < 1 / (1 + np.exp(odds))
+    apart = np.where(wrong, rng.normal(0.0, 0.04, len(wrong)), 0.0)
+    slack = slack_m(np.array([odds]), np.array([0.0]), np.array([0.04**2]))[0]
+    assert np.mean(np.abs(apart) < 1.96 * slack) == pytest.approx(0.95, abs=0.003)
+
+
+def test_a_merge_wrong_one_time_in_a_hundred_has_a_tenth_of_its_distance_as_slack() -> None:
+    assert slack_m(np.log([99.0]), np.array([0.03]), np.array([0.04**2]))[0] == pytest.approx(0.005)
 
 
 @pytest.mark.parametrize(("odds", "low_m", "high_m"), [(12.0, 0.0, 1e-4), (3.0, 0.5e-3, 2e-3)])
