@@ -40,8 +40,11 @@ class _Walk(NamedTuple):
     root: Array
 
 
-def slack_of_tracks_m(made: MergesMade, tracks: Array) -> Array:
-    """One row per doubtful merge (D, T): how `tracks` move when its slack is one sigma, half of it on either side."""
+def slack_of_tracks_m(made: MergesMade, tracks: Array, rows: Array) -> Array:
+    """One row per doubtful merge (D, T): how `tracks` move when its slack is one sigma.
+
+    The plane as drawn stands for the side that was seen more, by the number of `rows (M,)` of its tracks: the other side moves.
+    """
     last = int(max(tracks.max(initial=-1), made.first.max(initial=-1), made.second.max(initial=-1))) + 1
     column = np.full(last, -1)
     column[tracks] = np.arange(len(tracks))
@@ -49,20 +52,27 @@ def slack_of_tracks_m(made: MergesMade, tracks: Array) -> Array:
     if not len(doubtful):
         return np.zeros((0, len(tracks)))
     walk = _walked(made.first, made.second, last)
-    return _sides(walk, made.first[doubtful], made.second[doubtful], made.slack_m[doubtful], column, len(tracks))
+    seen = np.concatenate((rows[:last], np.zeros(max(last - len(rows), 0), dtype=rows.dtype)))
+    below = np.where(walk.above[made.first[doubtful]] == made.second[doubtful], made.first[doubtful], made.second[doubtful])
+    return _sides(walk, below, made.slack_m[doubtful], np.concatenate(([0], np.cumsum(seen[walk.order]))), column, len(tracks))
 
 
 @compiled
-def _sides(walk: _Walk, first: Array, second: Array, slack_m: Array, column: Array, count: int) -> Array:
-    """+1/2 and -1/2 of its slack for the columns (count,) of the tracks on either side of each merge (D, count), 0 for all others."""
-    sides = np.zeros((len(first), count))
-    for d in range(len(first)):
-        below, half = (first[d], 0.5 * slack_m[d]) if walk.above[first[d]] == second[d] else (second[d], -0.5 * slack_m[d])
-        top = walk.root[below]
-        for k in range(walk.place[top], walk.after[top]):
+def _sides(walk: _Walk, below: Array, slack_m: Array, seen: Array, column: Array, count: int) -> Array:
+    """`slack_m (D,)` in the columns (count,) of the tracks that hang `below (D,)`, or of the others of their tree if those were seen less.
+
+    `seen (T + 1,)`: rows of the tracks before each place of the walk.
+    """
+    sides = np.zeros((len(below), count))
+    for d in range(len(below)):
+        track, top = below[d], walk.root[below[d]]
+        first, last, start, end = walk.place[track], walk.after[track], walk.place[top], walk.after[top]
+        under = seen[last] - seen[first]
+        fewer = under <= seen[end] - seen[start] - under
+        for k in range(start, end):
             where = column[walk.order[k]]
-            if where >= 0:
-                sides[d, where] = half if walk.place[below] <= k < walk.after[below] else -half
+            if where >= 0 and (first <= k < last) == fewer:
+                sides[d, where] = slack_m[d]
     return sides
 
 

@@ -36,12 +36,13 @@ def weighted_resolve(
     planes = merged_graph(graph, plane_of_track)
     count = len(planes.axis)
     bias_m2 = track_bias_m(graph, noise) ** 2
+    rows = np.bincount(graph.track, np.isfinite(noise.sigma_m), len(graph.axis))
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
     offset, covariance = np.zeros(count), np.zeros((count, count))
     parts = np.zeros((len(STORED), count, count), dtype=np.float32) if keep_covariance else None
     for one in known if known is not None else known_systems(graph, noise):
         mine, member = np.unique(plane_of_track[one.system.tracks], return_inverse=True)
-        slack = None if made is None else slack_of_tracks_m(made, one.system.tracks)
+        slack = None if made is None else slack_of_tracks_m(made, one.system.tracks, rows)
         joined = _joined(one, bias_m2[one.system.tracks], member, slack)
         tied = _tied(joined, _tie_rows(ties, mine), keep_covariance)
         offset[mine], covariance[np.ix_(mine, mine)] = tied.surface_m, tied.covariance_m2

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floorplan.config import MergeConfig
-from floorplan.merge.evidence_bias import PRIOR_BIAS_M, PRIOR_SHARE, Bias, bias_before_merging, bias_of_merged
+from floorplan.merge.evidence_bias import USUAL, Bias, bias_before_merging, bias_of_merged
 from floorplan.merge.evidence_greedy import Decision, Question, decide
 from floorplan.merge.evidence_moves import move_tracks
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
@@ -19,7 +19,7 @@ from floorplan.model.merges_made import MergesMade, join_merges
 from floorplan.model.noise import ScanNoise
 from floorplan.model.plane_moves import PlaneMove
 from floorplan.noise import estimate_noise, with_steps
-from floorplan.track_bias import row_sigma_m
+from floorplan.track_bias import row_sigma_m, square_range_m2
 from floorplan.weighted import KnownSystem, known_systems
 from floorplan.weighted_resolve import weighted_resolve
 
@@ -50,8 +50,7 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, conf
     noise = least_squares.noise or estimate_noise(graph)
     known = known_systems(graph, noise)
     systems = _planes_of_systems(graph, noise, known)
-    usual = Bias(PRIOR_BIAS_M, PRIOR_SHARE)
-    apart = [seen_apart(graph, noise.sigma_m, usual.of(planes.row_sigma_m), planes) for planes in systems]
+    apart = [seen_apart(graph, noise.sigma_m, USUAL.of(planes), planes) for planes in systems]
     bias = bias_before_merging(systems, apart)
     barred = [_of_system(never, planes, len(graph.axis)) for planes in systems]
     asked = _Asked(graph, noise, config)
@@ -59,7 +58,7 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, conf
     bias = bias_of_merged(systems, [made.decision.plane for made in first], bias)
     second = [_decided(asked, bias, planes, bars, made.decision.plane) for planes, bars, made in zip(systems, barred, first, strict=True)]
     bias = bias_of_merged(systems, [made.decision.plane for made in second], bias)
-    noise = replace(noise, bias_sigma_m=bias.constant_m, bias_share=bias.share)
+    noise = replace(noise, bias_sigma_m=bias.constant_m, bias_share=bias.share, bias_far_per_m=bias.far_per_m)
     label = np.arange(len(graph.axis))
     for planes, made in zip(systems, second, strict=True):
         label[planes.tracks] = planes.tracks[made.decision.plane]
@@ -72,14 +71,23 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, conf
 
 def _planes_of_systems(graph: LayoutGraph, noise: ScanNoise, known: Sequence[KnownSystem]) -> list[Planes]:
     """The planes of each system before any merge, their boxes at solved positions; bias not yet in the covariance."""
-    sigma = row_sigma_m(graph, noise)
+    sigma, square = row_sigma_m(graph, noise), square_range_m2(graph, noise)
     place = np.vstack([np.zeros(3), np.cumsum(graph.translation_m, axis=0)])
     dead = place.copy()
     for one in known:
         place[:, list(one.system.axes)] = one.solution.position_m
     extent = graph.extent_m + _mean_shift(graph, place - dead)[:, :, None]
     return [
-        Planes(tracks, graph.axis[tracks], graph.facing[tracks], one.solution.offset_m, one.covariance_m2, extent[tracks], sigma[tracks])
+        Planes(
+            tracks,
+            graph.axis[tracks],
+            graph.facing[tracks],
+            one.solution.offset_m,
+            one.covariance_m2,
+            extent[tracks],
+            sigma[tracks],
+            square[tracks],
+        )
         for one in known
         for tracks in (one.system.tracks,)
     ]
@@ -101,7 +109,7 @@ def _with_bias(planes: Planes, bias_m: Array) -> Planes:
 def _decided(asked: _Asked, bias: Bias, planes: Planes, never: Pairs, known: Array | None) -> _Decided:
     """One round of merging; `never` pairs stay apart, `known (T,)` is the round before, to count distinct planes by."""
     graph, noise, config = asked.graph, asked.noise, asked.config
-    each_m = np.maximum(bias.of(planes.row_sigma_m), SMALLEST_BIAS_M)
+    each_m = np.maximum(bias.of(planes), SMALLEST_BIAS_M)
     planes = _with_bias(planes, each_m)
     pairs = _with_barred(gated_pairs(planes), never, len(planes.tracks))
     variance = pair_variance_m2(planes, pairs)

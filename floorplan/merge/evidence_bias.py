@@ -1,7 +1,8 @@
 """The error that all rows of one track share: first from tracks that are probably one surface, then from those merged."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
@@ -14,9 +15,12 @@ WELL_KNOWN_M = 0.02  # pairs whose distance odometry knows better than this spea
 WINDOW_M = 0.3  # distances looked at; beyond, two tracks are certainly two surfaces
 BIAS_GRID_M = (0.0003, 0.0006, 0.001, 0.0015, 0.002, 0.003, 0.004, 0.006, 0.008, 0.010, 0.0125, 0.016, 0.02, 0.028, 0.04)
 SHARE_GRID = (0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
+FAR_GRID = (1e-5, 5e-5, 1e-4, 2e-4, 4e-4, 8e-4, 1.6e-3, 3e-3, 6e-3, 0.012, 0.024)  # per metre
 SAME_GRID = np.array([0.2, 0.4, 0.6, 0.8, 0.95])  # share of the pairs that are one surface
 PRIOR_BIAS_M = 0.004  # where a scan says nothing: depth errors common to a track that indoor sensors show
 PRIOR_SHARE = 0.5  # the same view frame after frame: a quarter of the variance of one row is that of the next one too
+PRIOR_FAR_PER_M = 2e-4  # a hundredth of a pixel of disparity (lens of 575 pixels, base of 7.5 cm): 2 mm at 3 m
+FAR_SPREAD = 1.5  # of its logarithm: cameras that measure time have hardly any, ones out of calibration ten times as much
 PRIOR_SPREAD = 1.0  # of its logarithm
 SHARE_SPREAD = 0.8  # of that logarithm: a matter of how segments are fitted, much the same for all sensors
 STARTS_M = (0.0003, 0.004)  # the mixture may have two tops: all one surface with a large bias, or some with a small one
@@ -25,14 +29,19 @@ MOST_TRACKS = 160  # of one system asked once they are merged: a hundred of them
 
 @dataclass(frozen=True)
 class Bias:
-    """Standard deviation of a track's bias: the root of `constant_m`^2 + (`share` times the sigma of one of its rows)^2."""
+    """Standard deviation of a track's bias: the root of `constant_m`^2 + (`share` times the sigma of one of its rows)^2 +
+    (`far_per_m` times the square of the distance it was seen from)^2; the last is what a camera that triangulates gets wrong."""
 
     constant_m: float
     share: float
+    far_per_m: float
 
-    def of(self, row_sigma_m: Array) -> Array:
-        """The standard deviation (T,) for tracks of that row sigma."""
-        return np.asarray(np.hypot(self.constant_m, self.share * row_sigma_m))
+    def of(self, planes: Planes) -> Array:
+        """The standard deviation (T,) for tracks seen as those were."""
+        return np.sqrt(self.constant_m**2 + (self.share * planes.row_sigma_m) ** 2 + (self.far_per_m * planes.square_range_m2) ** 2)
+
+
+USUAL = Bias(PRIOR_BIAS_M, PRIOR_SHARE, PRIOR_FAR_PER_M)
 
 
 def bias_before_merging(systems: Sequence[Planes], apart: Sequence[Pairs]) -> Bias:
@@ -41,7 +50,8 @@ def bias_before_merging(systems: Sequence[Planes], apart: Sequence[Pairs]) -> Bi
     `apart`, per system: pairs that single frames show at different offsets; a wall and the door set back in it say nothing about bias.
     """
     parts = [_Telling(planes, pairs).log_likelihood for planes, pairs in zip(systems, apart, strict=True)]
-    return max((_climbed(parts, Bias(constant, PRIOR_SHARE)) for constant in STARTS_M), key=lambda bias: _log_posterior(parts, bias))
+    found = [_climbed(parts, replace(USUAL, constant_m=constant)) for constant in STARTS_M]
+    return max(found, key=lambda bias: _log_posterior(parts, bias))
 
 
 def bias_of_merged(systems: Sequence[Planes], partitions: Sequence[Array], guess: Bias) -> Bias:
@@ -54,23 +64,30 @@ def bias_of_merged(systems: Sequence[Planes], partitions: Sequence[Array], guess
 
 def _log_posterior(parts: Sequence[Callable[[Bias], float]], bias: Bias) -> float:
     prior = (np.log(bias.constant_m / PRIOR_BIAS_M) / PRIOR_SPREAD) ** 2 + (np.log(bias.share / PRIOR_SHARE) / SHARE_SPREAD) ** 2
+    prior += (np.log(bias.far_per_m / PRIOR_FAR_PER_M) / FAR_SPREAD) ** 2
     return sum((part(bias) for part in parts), -0.5 * float(prior))
 
 
 def _climbed(parts: Sequence[Callable[[Bias], float]], guess: Bias) -> Bias:
     """The top of the posterior on the grid, one step at a time from `guess`."""
-    at = BIAS_GRID_M.index(guess.constant_m), SHARE_GRID.index(guess.share)
-    known = dict[tuple[int, int], float]()
+    grids = (BIAS_GRID_M, SHARE_GRID, FAR_GRID)
+    at = BIAS_GRID_M.index(guess.constant_m), SHARE_GRID.index(guess.share), FAR_GRID.index(guess.far_per_m)
+    known = dict[tuple[int, int, int], float]()
     while True:
-        near = [at] + [(at[0] + i, at[1] + k) for i, k in ((-1, 0), (1, 0), (0, -1), (0, 1))]
-        near = [(i, k) for i, k in near if 0 <= i < len(BIAS_GRID_M) and 0 <= k < len(SHARE_GRID)]
-        for i, k in near:
-            if (i, k) not in known:
-                known[i, k] = _log_posterior(parts, Bias(BIAS_GRID_M[i], SHARE_GRID[k]))
+        steps = [(step * (k == 0), step * (k == 1), step * (k == 2)) for k, step in product(range(3), (-1, 1))]
+        near = [at, *((at[0] + i, at[1] + k, at[2] + m) for i, k, m in steps)]
+        near = [place for place in near if all(0 <= i < len(grid) for i, grid in zip(place, grids, strict=True))]
+        for place in near:
+            if place not in known:
+                known[place] = _log_posterior(parts, _bias_at(place))
         best = max(near, key=known.__getitem__)
         if best == at:
-            return Bias(BIAS_GRID_M[at[0]], SHARE_GRID[at[1]])
+            return _bias_at(at)
         at = best
+
+
+def _bias_at(place: tuple[int, int, int]) -> Bias:
+    return Bias(BIAS_GRID_M[place[0]], SHARE_GRID[place[1]], FAR_GRID[place[2]])
 
 
 class _Telling:
@@ -88,7 +105,7 @@ class _Telling:
 
     def log_likelihood(self, bias: Bias) -> float:
         """Of the likeliest share of pairs that are one surface."""
-        each = bias.of(self.planes.row_sigma_m) ** 2
+        each = bias.of(self.planes) ** 2
         total = self.variance_m2 + each[self.first] + each[self.second]
         same = np.exp(-0.5 * self.delta_m**2 / total) / np.sqrt(2 * np.pi * total)
         return max(float(np.log(share * same + (1 - share) / (2 * WINDOW_M)).sum()) for share in SAME_GRID)
@@ -103,11 +120,11 @@ class _Merged:
         self.G = np.zeros((len(few), int(member.max(initial=-1)) + 1))
         self.G[few, member] = 1.0
         self.covariance_m2 = planes.covariance_m2[np.ix_(few, few)]
-        self.offset_m, self.row_sigma_m = planes.offset_m[few], planes.row_sigma_m[few]
+        self.offset_m, self.planes, self.few = planes.offset_m[few], planes, few
 
     def log_likelihood(self, bias: Bias) -> float:
         """Of the tracks, planes integrated out."""
-        return _restricted(self.covariance_m2 + np.diag(bias.of(self.row_sigma_m) ** 2), self.G, self.offset_m)
+        return _restricted(self.covariance_m2 + np.diag(bias.of(self.planes)[self.few] ** 2), self.G, self.offset_m)
 
 
 def _restricted(covariance: Array, G: Array, offset_m: Array) -> float:

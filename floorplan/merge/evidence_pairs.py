@@ -28,7 +28,7 @@ GAP_SLACK_SIGMAS = 2.0  # extents drift as much as offsets do
 class Planes:
     """The planes of one system: `tracks (T,)`, `offset_m (T,)`, `covariance_m2 (T, T)`, boxes (T, 3, 2) at solved positions;
 
-    `row_sigma_m (T,)` of one row of each."""
+    `row_sigma_m (T,)` of one row of each; `square_range_m2 (T,)` mean square of the distances it was seen from."""
 
     tracks: Array
     axis: Array
@@ -37,6 +37,7 @@ class Planes:
     covariance_m2: Array
     extent_m: Array
     row_sigma_m: Array
+    square_range_m2: Array
 
 
 def gated_pairs(planes: Planes) -> Pairs:

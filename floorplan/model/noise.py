@@ -38,7 +38,7 @@ class ScanNoise:
 
     `sigma_m (K,)` effective standard deviation of every measurement (down-weighted rows have a larger one, rejected
     rows infinity); `bias_sigma_m` error that all rows of one track share, `bias_share` the part of the sigma of its rows that
-    is in it besides; `drift` of x and y, `vertical` of z;
+    is in it besides, and `bias_far_per_m` times the square of the distance it was seen from; `drift` of x and y, `vertical` of z;
     `flipped` rows rejected for their sign; `outliers` rows down-weighted by half or more. `step_m (N-1, 3)` the steps as last
     solved, of which scale and sideways rates are parts; None: none solved yet, odometry's own serve.
     """
@@ -51,6 +51,7 @@ class ScanNoise:
     outliers: int = 0
     step_m: Array | None = None
     bias_share: float = 0.0
+    bias_far_per_m: float = 0.0
 
     def __post_init__(self) -> None:
         freeze(self, {"sigma_m": (np.float64, ("K",)), "step_m": (np.float64, ("T", 3))})

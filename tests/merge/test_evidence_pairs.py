@@ -15,7 +15,7 @@ def two_far_and_one_beside(axis: int, facing: int) -> Planes:
     extent[1, along] = 1.0, 2.0
     extent[2, along] = 61.0, 62.0
     same = np.zeros(3)
-    return Planes(np.arange(3), np.full(3, axis), np.full(3, facing), same, 0.01 * np.eye(3), extent, np.full(3, 0.01))
+    return Planes(np.arange(3), np.full(3, axis), np.full(3, facing), same, 0.01 * np.eye(3), extent, np.full(3, 0.01), np.full(3, 4.0))
 
 
 def priors(axis: int, facing: int) -> tuple[float, float]:
@@ -36,7 +36,7 @@ def strewn(offset_m: np.ndarray, sigma_m: float) -> Planes:
     count = len(offset_m)
     extent = np.stack((np.zeros((count, 3)), np.ones((count, 3))), axis=2)
     same = np.full(count, 2), np.full(count, -1)
-    return Planes(np.arange(count), *same, offset_m, sigma_m**2 * np.eye(count), extent, np.full(count, 0.01))
+    return Planes(np.arange(count), *same, offset_m, sigma_m**2 * np.eye(count), extent, np.full(count, 0.01), np.full(count, 4.0))
 
 
 def test_where_planes_keep_nearly_one_line_a_coincidence_costs_more() -> None:
