@@ -3,8 +3,9 @@
     python -m tests.bench.interval_coverage SCAN WORK [SCAN WORK ...]
 
 WORK holds the stages up to least squares; least squares, merge and re-solve are done again here. A final plane is compared with the true
-plane that most of its rows lie on, told by the true poses. "Same room": up to 8 m and seen together in some frame. `--exact-sensor`: the
-depth has no scale error and no bias, for scans simulated before recordings said so.
+plane that most of its rows lie on, told by the true poses. "Same room": up to 8 m and seen together in some frame. The path's error is that
+of the keyframes' positions once both paths have one mean. `--exact-sensor`: the depth has no scale error and no bias, for scans simulated
+before recordings said so.
 """
 
 import argparse
@@ -106,7 +107,8 @@ def coverage(scan: Path, work: Path, exact_sensor: bool = False) -> str:
         graph = replace(graph, range_accuracy=RangeAccuracy(0.0, 0.0))
     merged = merge(graph, least_squares(graph, LeastSquaresConfig()), MergeConfig())
     solution = resolve(graph, merged, ResolveConfig())
-    true = true_offsets(graph, solution, truth_of(scan, ingested, solution))
+    place = truth_of(scan, ingested, solution)
+    true = true_offsets(graph, solution, place)
     error, covariance = solution.plane_offset_m - true, solution.plane_covariance_m2
     known = np.isfinite(true)
     a, b = np.nonzero(np.triu((solution.plane_axis[:, None] == solution.plane_axis[None, :]) & known[:, None] & known[None, :], 1))
@@ -122,8 +124,14 @@ def coverage(scan: Path, work: Path, exact_sensor: bool = False) -> str:
         for name, some in kinds
         if some.any()
     ]
-    bias_m, share = (merged.noise.bias_sigma_m, merged.noise.bias_share) if merged.noise else (0.0, 0.0)
-    return f"{work.name}: planes {known.sum()} of {len(known)}; {'; '.join(parts)}; bias {bias_m:.4f} share {share:.2f}"
+    return f"{work.name}: planes {known.sum()} of {len(known)}; {'; '.join(parts)}; {path_error(solution, place)}"
+
+
+def path_error(solution: LayoutSolution, truth: Truth) -> str:
+    """Mean and largest error of the keyframes' positions."""
+    off = solution.position_m - truth.position_m
+    error = np.linalg.norm(off - off.mean(axis=0), axis=1)
+    return f"path mean {error.mean():.4f} worst {error.max():.4f}"
 
 
 def main() -> None:
