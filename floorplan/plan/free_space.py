@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
+from shapely import Polygon
 
 from floorplan.model.checks import Array
 from floorplan.plan.plan_frame import PlanWorld
@@ -24,6 +26,17 @@ class FreeSpace:
         sums = self._integral_at(np.asarray(x_m), np.asarray(y_m))
         inside = np.diff(np.diff(sums, axis=0), axis=1)
         return np.asarray(inside / (np.diff(x_m)[:, None] * np.diff(y_m)[None, :] / CELL_M**2))
+
+    def share_of(self, area: Polygon) -> float:
+        """Share of an area of any form that rays crossed, by the cells whose middles lie in it; 0 where it holds none."""
+        low, high = np.reshape(area.bounds, (2, 2))
+        first = np.clip(np.floor((low - self.corner_m) / CELL_M).astype(int), 0, np.array(self.integral.shape) - 2)
+        last = np.clip(np.ceil((high - self.corner_m) / CELL_M).astype(int), first + 1, np.array(self.integral.shape) - 1)
+        corners = self.integral[first[0] : last[0] + 1, first[1] : last[1] + 1]
+        crossed = np.diff(np.diff(corners, axis=0), axis=1) > 0
+        x, y = (self.corner_m[k] + (np.arange(first[k], last[k]) + 0.5) * CELL_M for k in (0, 1))
+        inside = shapely.contains_xy(area, *np.meshgrid(x, y, indexing="ij"))
+        return float(crossed[inside].mean()) if inside.any() else 0.0
 
     def _integral_at(self, x_m: Array, y_m: Array) -> Array:
         """Bilinear reading (I, J) of the integral: exact, for it is bilinear within cells."""

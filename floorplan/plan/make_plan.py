@@ -89,11 +89,11 @@ def storey_plan(world: PlanWorld, patches: FreePatches, solution: LayoutSolution
     walls = with_steps(without_columns(drawing, column_faces(columns, faces)), unseen_steps)
     path = world.trajectory.position_m[:, :2]
     openings = with_walls(find_openings(unglazed(gaps, faces, glazed, path), faces, path, surfaces.thick, config), walls)
-    bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, unseen_steps, space, path), config)
+    lines = free_lines(patches, world, faces, config)
+    bare_rooms = find_rooms(RoomScene(faces + through.faces, gaps, bodies, glazed, unseen_steps, space, path, lines), config)
     level = levelled.result()
     levels = tuple(room_height(room, level, world) for room in bare_rooms)
-    rooms = described(bare_rooms, levels, faces, planes, covariance)
-    lines = free_lines(patches, world, faces, config)
+    rooms = described(bare_rooms, levels, faces, lines, planes, covariance)
     return Plan(
         planes=planes,
         faces=drawing.faces,

@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import LineString, Polygon
+from shapely.geometry import Point as ShapelyPoint
 
 from floorplan.model.checks import Array
-from floorplan.model.plan import Dimension, DimensionRole, PlanPlane, Room
+from floorplan.model.plan import Dimension, DimensionRole, FreeLine, PlanPlane, Room
 from floorplan.model.segment import AXIS_Z
 from floorplan.plan.corners import FaceRun
 from floorplan.plan.free_space import CELL_M
@@ -27,13 +28,19 @@ class RoomHeight:
 
 
 def described(
-    rooms: tuple[Room, ...], heights: tuple[RoomHeight | None, ...], faces: tuple[FaceRun, ...], planes: tuple[PlanPlane, ...], cov: Array
+    rooms: tuple[Room, ...],
+    heights: tuple[RoomHeight | None, ...],
+    faces: tuple[FaceRun, ...],
+    skewed: tuple[FreeLine, ...],
+    planes: tuple[PlanPlane, ...],
+    cov: Array,
 ) -> tuple[Room, ...]:
     """The rooms with the standard deviations of their areas and with their ceilings; `cov` the planes' joint covariance."""
-    return tuple(with_ceiling(with_area_sigma(room, faces, cov), height, planes, cov) for room, height in zip(rooms, heights, strict=True))
+    known = (with_area_sigma(room, faces, skewed, cov) for room in rooms)
+    return tuple(with_ceiling(room, height, planes, cov) for room, height in zip(known, heights, strict=True))
 
 
-def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array) -> Room:
+def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], skewed: tuple[FreeLine, ...], covariance_m2: Array) -> Room:
     """The room with sigma_A = sqrt(g^T C g), g the length of outline (signed) on each plane: dA = length * d(offset)."""
     gradient = np.zeros(len(covariance_m2))
     loose = 0.0
@@ -43,16 +50,29 @@ def with_area_sigma(room: Room, faces: tuple[FaceRun, ...], covariance_m2: Array
             length = (b[1] - a[1]) if axis == 0 else (a[0] - b[0])  # positive where the room lies below the edge
             face = face_under(a, b, axis, faces)
             if face is None:
-                loose += (length * UNSEEN_EDGE_SIGMA_M) ** 2
+                loose += _loose_variance_m4(LineString([a, b]), skewed)
             else:
                 gradient[face.run.plane] += length
     return replace(room, area_sigma_m2=float(np.sqrt(max(float(gradient @ covariance_m2 @ gradient), 0.0) + loose)))
 
 
+def _loose_variance_m4(edge: LineString, skewed: tuple[FreeLine, ...]) -> float:
+    """What an edge on no plane adds: known as well as the wall off the axes that it lies on, else as the grid of free space."""
+    (x0, y0), (x1, y1) = edge.coords
+    oblique = min(abs(x1 - x0), abs(y1 - y0)) > ON_FACE_M
+    on = [line.sigma_m for line in skewed if oblique and _lies_on(edge, line)]
+    return float((edge.length * min(on, default=UNSEEN_EDGE_SIGMA_M)) ** 2)
+
+
+def _lies_on(edge: LineString, line: FreeLine) -> bool:
+    whole = LineString([line.start, line.end])
+    return all(whole.distance(ShapelyPoint(end)) < CELL_M / 10 for end in edge.coords)
+
+
 def face_under(a: tuple[float, float], b: tuple[float, float], axis: int, faces: tuple[FaceRun, ...]) -> FaceRun | None:
     """The face that an edge of an outline lies on, the one that covers most of it; None where it lies on none."""
     low, high = sorted((a[1 - axis], b[1 - axis]))
-    on = [f for f in faces if f.axis == axis and abs(f.offset_m - a[axis]) < ON_FACE_M]
+    on = [f for f in faces if f.axis == axis and max(abs(f.offset_m - a[axis]), abs(f.offset_m - b[axis])) < ON_FACE_M]
     best = max(on, key=lambda f: min(f.end_m, high) - max(f.start_m, low), default=None)
     return best
 

@@ -13,7 +13,7 @@ from shapely.ops import unary_union
 
 from floorplan.config import PlanConfig
 from floorplan.model.checks import Array
-from floorplan.model.plan import Point, Room, RoomKind
+from floorplan.model.plan import FreeLine, Point, Room, RoomKind
 from floorplan.plan.arrangement import NO_REGION, Arrangement, Barrier, MatterShare, arrange
 from floorplan.plan.bodies import Body
 from floorplan.plan.closures import mouth_barriers, narrow_barriers, opening_barriers
@@ -22,6 +22,7 @@ from floorplan.plan.free_space import CELL_M, FreeSpace
 from floorplan.plan.gaps import Gap
 from floorplan.plan.glazing import GlazedLine, barriers_of
 from floorplan.plan.returns import Step, step_barriers
+from floorplan.plan.skewed_sides import line_of, with_skewed_sides
 
 CORRIDOR_WIDTH_M = 3.0  # corridors are narrower ...
 CORRIDOR_STRETCH = 1.5  # ... and at least about four times as long as wide: perimeter^2 / (16 area), 1 for a square
@@ -34,7 +35,7 @@ MIN_GLIMPSE_ENCLOSED = 0.5  # unvisited and less enclosed than this: the outdoor
 
 @dataclass(frozen=True)
 class RoomScene:
-    """What rooms are made from: faces, their gaps, wall bodies, unseen steps, free space and the sensor's path (F, 2)."""
+    """What rooms are made from: faces, their gaps, wall bodies, unseen steps, free space, the sensor's path (F, 2), walls off the axes."""
 
     faces: tuple[FaceRun, ...]
     gaps: tuple[Gap, ...]
@@ -43,6 +44,7 @@ class RoomScene:
     steps: tuple[Step, ...]
     space: FreeSpace
     path_xy_m: Array
+    skewed: tuple[FreeLine, ...] = ()
 
 
 def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
@@ -59,6 +61,8 @@ def find_rooms(scene: RoomScene, config: PlanConfig) -> tuple[Room, ...]:
     weak, strong = (unary_union([_line(barrier) for barrier in barriers if barrier.weak is kind]) for kind in (True, False))
     shapes = through_mouths(shapes, unary_union([_line(mouth) for mouth in mouths]).difference(lines), lines, scene.path_xy_m)
     shapes = with_niches(shapes, weak.difference(strong.buffer(SAME_LINE_M)), lines)
+    shapes = with_skewed_sides(shapes, scene.skewed, lines, scene.space)
+    lines = unary_union([lines, *(line_of(line).buffer(SAME_LINE_M) for line in scene.skewed)])
     rooms = [_room(shape, lines, scene.path_xy_m) for shape in shapes if shape.area >= config.min_room_area_m2]
     kept = sorted((room for room in rooms if room is not None), key=lambda room: (-round(room.label[1]), room.label[0]))
     return tuple(_named(room, number + 1) for number, room in enumerate(kept))

@@ -42,7 +42,7 @@ def _walls(plan: Plan, frames: "_Frames") -> Lines:
 def _room(room: Room) -> list[str]:
     return [
         f"{room.kind.value.capitalize()} {room.id} {room.name}".strip(),
-        f"area {room.area_m2:.2f} m² ±{NORMAL_95 * room.area_sigma_m2:.2f}",
+        f"area {room.area_m2:.2f} m² " + ("of what was seen" if room.partial else f"±{NORMAL_95 * room.area_sigma_m2:.2f}"),
         f"ceiling {_pm(room.ceiling_height_m, room.ceiling_sigma_m)}",
         *([] if room.visited else ["never entered: seen from outside"]),
         *(["not closed by seen walls"] if room.partial else []),

@@ -47,7 +47,7 @@ def dimensions_csv(plan: Plan) -> bytes:
 
 
 def rooms_csv(plan: Plan) -> bytes:
-    """One row per room; an unknown height is an empty cell."""
+    """One row per room; an unknown height is an empty cell, and so is the interval of an area that was seen in part."""
     rows = (
         (
             *_storey(plan, storey),
@@ -55,7 +55,7 @@ def rooms_csv(plan: Plan) -> bytes:
             room.name,
             room.kind.value,
             f"{room.area_m2:.3f}",
-            f"{NORMAL_95 * room.area_sigma_m2:.3f}",
+            "" if room.partial else f"{NORMAL_95 * room.area_sigma_m2:.3f}",
             _metres(room.ceiling_height_m),
             _metres(None if room.ceiling_sigma_m is None else NORMAL_95 * room.ceiling_sigma_m),
             "yes" if room.visited else "no",

@@ -72,7 +72,7 @@ def _rooms(plan: Plan) -> list[Feature]:
             room_kind=room.kind.value,
             name=room.name,
             area_m2=room.area_m2,
-            area_sigma_m2=room.area_sigma_m2,
+            area_sigma_m2=None if room.partial else room.area_sigma_m2,
             ceiling_height_m=room.ceiling_height_m,
             visited=room.visited,
             partial=room.partial,

@@ -154,7 +154,7 @@ class _Storey:
         self._accuracy(
             space,
             room.id,
-            AreaPlusMinus95=("IfcAreaMeasure", NORMAL_95 * room.area_sigma_m2),
+            AreaPlusMinus95=None if room.partial else ("IfcAreaMeasure", NORMAL_95 * room.area_sigma_m2),
             CeilingHeightPlusMinus95=None if room.ceiling_sigma_m is None else _length(room.ceiling_sigma_m),
             HeightMeasured=("IfcBoolean", room.ceiling_height_m is not None),
             PartlySeen=("IfcBoolean", room.partial),

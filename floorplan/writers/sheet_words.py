@@ -33,7 +33,7 @@ def schedule(plan: Plan, units: UnitStyle) -> tuple[ScheduleRow, ...]:
             room.id,
             (room.name or room.kind.value) + (" (partly seen)" if room.partial else ""),
             area_number(room.area_m2, units),
-            area_interval(room.area_sigma_m2, units),
+            "-" if room.partial else area_interval(room.area_sigma_m2, units),
             "-" if room.ceiling_height_m is None else length_text(room.ceiling_height_m, units),
         )
         for room in plan.rooms

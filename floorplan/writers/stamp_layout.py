@@ -61,7 +61,7 @@ def stamp_texts(room: Room, units: UnitStyle) -> dict[str, str]:
     return {
         "NUMBER": room.id,
         "NAME": name,
-        "AREA": area_text(room.area_m2, room.area_sigma_m2, units),
+        "AREA": area_text(room.area_m2, None if room.partial else room.area_sigma_m2, units),
         "HEIGHT": ceiling_text(room.ceiling_height_m, room.ceiling_sigma_m, units),
     }
 

@@ -73,9 +73,10 @@ def distance_text(distance_m: float, sigma_m: float, units: UnitStyle) -> str:
     return f"{length_text(distance_m, units)} {plus_minus_text(sigma_m, units)}"
 
 
-def area_text(area_m2: float, sigma_m2: float, units: UnitStyle) -> str:
-    """`23.45 m² ±0.12` or `252.4 sq ft ±1.3` (95 %)."""
-    return f"{area_number(area_m2, units)} {'m²' if units.metric else 'sq ft'} ±{area_interval(sigma_m2, units)}"
+def area_text(area_m2: float, sigma_m2: float | None, units: UnitStyle) -> str:
+    """`23.45 m² ±0.12` or `252.4 sq ft ±1.3` (95 %); without a sigma the area is that of what was seen: `23.45 m² seen`."""
+    known = "seen" if sigma_m2 is None else f"±{area_interval(sigma_m2, units)}"
+    return f"{area_number(area_m2, units)} {'m²' if units.metric else 'sq ft'} {known}"
 
 
 def area_number(area_m2: float, units: UnitStyle) -> str:

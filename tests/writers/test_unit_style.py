@@ -26,3 +26,4 @@ def test_distances_show_their_95_percent_interval() -> None:
     assert distance_text(5.4321, 0.0061, unit_style("ft")) == '17\'-9 7/8" ±1/2"'
     assert distance_text(5.4321, 0.0001, unit_style("ft")) == '17\'-9 7/8" ±1/8"'
     assert area_text(10.0, 0.1, unit_style("ft")) == "107.6 sq ft ±2.1"
+    assert area_text(10.0, None, unit_style("m")) == "10.00 m² seen"
