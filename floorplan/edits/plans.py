@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floorplan.edits.file import Edits
+from floorplan.edits.opened import opened_rooms
 from floorplan.model.plan import Plan
 from floorplan.model.segment import NO_TRACK, Tracks
 
@@ -41,7 +42,9 @@ def edit_plan(plan: Plan, edits: Edits) -> Edited:
     asked = [("room", edit.id) for edit in edits.room] + [("opening", edit.id) for edit in edits.opening]
     asked += [("delete", id) for id in edits.delete]
     edited = replace(_edited_storey(plan, edits), upper_storeys=tuple(_edited_storey(storey, edits) for storey in plan.upper_storeys))
-    return Edited(edited, tuple(_note(what, id, id in known[what]) for what, id in asked))
+    notes = [_note(what, id, id in known[what]) for what, id in asked]
+    notes += [_opened_note(id) for one, other in zip(plan.storeys, edited.storeys, strict=True) for id in _newly_partial(one, other)]
+    return Edited(edited, tuple(notes))
 
 
 def _edited_storey(plan: Plan, edits: Edits) -> Plan:
@@ -50,14 +53,25 @@ def _edited_storey(plan: Plan, edits: Edits) -> Plan:
     walls = tuple(wall for wall in plan.walls if wall.id not in unwanted)
     standing = {face for wall in walls for face in wall.faces}
     gone = {face for wall in plan.walls if wall.id in unwanted for face in wall.faces} - standing
+    lines = tuple(line for line in plan.free_lines if line.id not in edits.delete)
+    named = tuple(replace(room, name=names.get(room.id, room.name)) for room in plan.rooms)
     return replace(
         plan,
-        rooms=tuple(replace(room, name=names.get(room.id, room.name)) for room in plan.rooms),
+        rooms=opened_rooms(named, plan, replace(plan, walls=walls, free_lines=lines)),
         openings=tuple(replace(opening, kind=kinds.get(opening.id, opening.kind)) for opening in plan.openings),
         walls=walls,
         faces=tuple(face for face in plan.faces if face.id not in gone),
-        free_lines=tuple(line for line in plan.free_lines if line.id not in edits.delete),
+        free_lines=lines,
     )
+
+
+def _newly_partial(before: Plan, after: Plan) -> tuple[str, ...]:
+    was = {room.id: room.partial for room in before.rooms}
+    return tuple(room.id for room in after.rooms if room.partial and not was[room.id])
+
+
+def _opened_note(id: str) -> str:
+    return f"Edited by hand: room {id} is open where what was taken out stood; its area is that of what was seen."
 
 
 def furniture_notes(plan: Plan, edits: Edits) -> tuple[str, ...]:

@@ -8,20 +8,19 @@ from floorplan.writers.door_symbol import door_symbols
 
 ON_LINE_M = 0.06  # an outline follows a drawn line within this: noise of a face that was joined
 MIN_SIDE_M = 0.3  # shorter gaps are corners
+MIN_CLOSED_ROOM_SIDE_M = 0.6  # of a room that is closed but for this: as wide as somebody can walk through
 
 
 def open_sides(plan: Plan) -> tuple[tuple[Point, ...], ...]:
-    """Straight or stepped lines along the outlines of partly seen rooms, the longest first."""
-    rooms = [room for room in plan.rooms if room.partial]
-    if not rooms:
-        return ()
+    """Straight or stepped lines along the outlines of rooms, the longest first."""
     known = _drawn(plan)
     found: list[LineString] = []
-    for room in rooms:
+    for room in plan.rooms:
+        shortest = MIN_SIDE_M if room.partial else MIN_CLOSED_ROOM_SIDE_M
         for ring in (room.outline, *room.holes):
             rest = LinearRing(ring).difference(known)
             merged = linemerge(rest) if isinstance(rest, MultiLineString) else rest
-            found += [part for part in getattr(merged, "geoms", [merged]) if part.length >= MIN_SIDE_M]
+            found += [part for part in getattr(merged, "geoms", [merged]) if part.length >= shortest]
     found.sort(key=lambda line: -line.length)
     return tuple(tuple((float(x), float(y)) for x, y in line.coords) for line in found)
 

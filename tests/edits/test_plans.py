@@ -45,3 +45,16 @@ def test_furniture_is_named_by_plane_or_by_wall() -> None:
 def test_what_was_seen_of_furniture_becomes_clutter() -> None:
     tracks = Tracks(np.array([0, 1, 1, 2]), np.zeros(3), np.ones(3), np.zeros((3, 3, 2)))
     assert without_tracks(tracks, (1,)).track_of_segment.tolist() == [0, NO_TRACK, NO_TRACK, 2]
+
+
+def test_a_room_whose_wall_is_taken_out_is_open_there_and_told() -> None:
+    before = sample_plan()
+    edited = edit_plan(before, Edits(delete=("W5",)))  # between R2 and R3
+    opened = {room.id for room in edited.plan.rooms if room.partial} - {room.id for room in before.rooms if room.partial}
+    assert opened == {room.id for room in before.rooms if _beside(room.outline, 8.5) or _beside(room.outline, 8.62)} & opened
+    assert len(opened) == 2
+    assert sum("is open where what was taken out stood" in note for note in edited.notes) == 2
+
+
+def _beside(outline: tuple[tuple[float, float], ...], x: float) -> bool:
+    return any(abs(point[0] - x) < 1e-6 for point in outline)
