@@ -11,6 +11,7 @@ from floorplan.model.plan import Dimension, Face, Plan, PlanPlane, Point
 
 LASER_SIGMA_M = 0.002  # a hand-held laser meter's data sheet, +-1.5 to 3 mm, on a plastered wall
 SNAP_M = 0.5  # a point given by hand belongs to a face this near
+MAX_CANDIDATES = 3  # surfaces named where no wall is
 HEAD_START_M = 0.05  # half of a thin partition: faces that look at each other win over the wall's other sides by this much
 MAX_SLANT = math.tan(math.radians(10.0))  # a distance is along an axis; two points placed by eye are this slanted at most
 UNIT_FACTORS = ((1000.0, "millimetres"), (100.0, "centimetres"), (1 / 0.3048, "feet"), (1 / 0.0254, "inches"))
@@ -94,7 +95,7 @@ def _by_points(plan: Plan, row: LaserRow, first_point: Point, second_point: Poin
     for point in (low, high):
         near = _faces_near(plan, planes, point, axis)
         if not near:
-            return f"no wall square to {'xy'[axis]} within {SNAP_M:g} m of {_at(point)}"
+            return f"no wall square to {'xy'[axis]} within {SNAP_M:g} m of {_at(point)}" + _undrawn_near(plan, point, axis)
         found.append(near)
     first, second = min(product(*found), key=lambda pair: _badness(plan, planes, pair, (low, high)))
     lower, upper = planes[first.plane], planes[second.plane]
@@ -104,6 +105,17 @@ def _by_points(plan: Plan, row: LaserRow, first_point: Point, second_point: Poin
     sigma = distance_sigma_m(plan, lower, upper)
     start, end = _on_plane(low, plan.planes[lower]), _on_plane(high, plan.planes[upper])
     return Span(row, lower, upper, axis, distance, sigma, row.sigma_m or LASER_SIGMA_M, start, end)
+
+
+def _undrawn_near(plan: Plan, point: Point, axis: int) -> str:
+    """Words for the surfaces that were seen near a point and are not drawn there as wall; empty where there are none."""
+    along = point[1 - axis]
+    seen = [p for p in plan.planes if p.axis == axis and p.extent_m[1 - axis][0] - SNAP_M <= along <= p.extent_m[1 - axis][1] + SNAP_M]
+    near = sorted((p for p in seen if abs(p.offset_m - point[axis]) <= SNAP_M), key=lambda p: abs(p.offset_m - point[axis]))
+    if not near:
+        return ""
+    told = ", ".join(f"{p.id} at {'xy'[axis]} = {p.offset_m:.3f}" for p in near[:MAX_CANDIDATES])
+    return f"; seen there, but not drawn as wall: {told}"
 
 
 def _faces_near(plan: Plan, planes: dict[str, int], point: Point, axis: int) -> list[Face]:

@@ -19,6 +19,8 @@ from floorplan.writers.unit_style import UnitStyle
 LEAVES_ROOM_COST = 60.0  # a room's size belongs inside the room
 OFF_FIELD_COST = 60.0  # outside the plan is the place of the chains
 ALONG_WALL_COST = 60.0  # a dimension line that runs on a wall line is not seen
+BESIDE_WALL_COST = 3.0  # one that runs close beside a wall is taken for a line of it: as dear as five steps aside ...
+BESIDE_WALL_MM = 2.5  # ... nearer than this on paper
 CROSSES_DOOR_COST = 5.0  # a line through a door's swing
 ROOM_SLACK_M = 0.02  # a room's outline and its dimension's ends may differ by rounding
 COLLIDES = WALL_WEIGHT  # a place that costs as much lies on a wall, on words or on several lines
@@ -81,6 +83,8 @@ class _Placer:
         low, high = span(dimension)
         cost = self.occupied.cost(box, at_least=TEXT_WEIGHT)
         cost += ALONG_WALL_COST * self.occupied.covered_share(box, axis, WALL_WEIGHT)
+        beside = Rectangle.around(spot.reach, self.scale.model_m(BESIDE_WALL_MM))
+        cost += BESIDE_WALL_COST * self.occupied.covered_share(beside, axis, WALL_WEIGHT)
         cost += CROSSES_DOOR_COST * (self.occupied.covered_share(box, axis, SYMBOL_WEIGHT) > 0)
         line = LineString([point_at(axis, low, spot.across), point_at(axis, high, spot.across)])
         return cost + (0.0 if room is None or room.covers(line) else LEAVES_ROOM_COST)

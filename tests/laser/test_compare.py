@@ -14,6 +14,7 @@ from floorplan.laser.compare import check_plan, level_of
 from floorplan.laser.spans import distance_sigma_m
 from floorplan.laser.table import parse_laser
 from floorplan.laser.tolerance import parse_tolerance
+from floorplan.model.plan import PlanPlane
 from floorplan.model.ties import Calibration, TiedDistance
 from floorplan.plan.plan_json import plan_to_json
 from tests.laser.plans import SHARED, SIGMA_M, two_rooms
@@ -81,6 +82,15 @@ def test_each_row_that_cannot_be_compared_is_a_sentence(row: str, words: str) ->
     assert len(result.rows) == 1
     assert result.bad[0].text.startswith("line 3: ")
     assert words in result.bad[0].text
+
+
+def test_a_surface_that_is_not_drawn_is_named_where_no_wall_is() -> None:
+    panel = PlanPlane("P7", 0, -1, 3.05, 0.01, ((3.05, 3.05), (0.5, 2.0), (0.0, 2.5)), (), 10)
+    covariance = np.eye(7) * 1e-4
+    plan = replace(PLAN, planes=(*PLAN.planes, panel), plane_covariance_m2=covariance)
+    beside, beyond = (check_plan(plan, parse_laser((HEADER + row).encode())).bad[0].text for row in (",0.1,1,3.1,1,3.0", ",0.1,4,3.1,4,3.0"))
+    assert beside.endswith("seen there, but not drawn as wall: P7 at x = 3.050")
+    assert "P7" not in beyond
 
 
 def test_millimetres_are_noticed() -> None:
