@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floorplan.edits.file import Edits
-from floorplan.edits.opened import opened_rooms
 from floorplan.model.plan import Plan
 from floorplan.model.segment import NO_TRACK, Tracks
 
@@ -48,6 +47,8 @@ def edit_plan(plan: Plan, edits: Edits) -> Edited:
 
 
 def _edited_storey(plan: Plan, edits: Edits) -> Plan:
+    from floorplan.edits.opened import opened_rooms  # shapely comes with it
+
     names, kinds = {e.id: e.name for e in edits.room}, {e.id: e.kind for e in edits.opening}
     unwanted = {*edits.delete, *edits.furniture}  # furniture without segments of its own comes back as a wall: deleted all the same
     walls = tuple(wall for wall in plan.walls if wall.id not in unwanted)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tests.bench.score_input import Case, load_case
-from tests.bench.score_rooms import door_scores, room_scores
+from tests.bench.score_rooms import door_scores, room_scores, width_scores
 from tests.bench.score_walls import dimension_scores, span_scores, thickness_scores, wall_scores
 
 
@@ -24,6 +24,7 @@ def score(scan: Path, work: Path) -> dict[str, Any]:
         "rooms": room_scores(case),
         "spans": span_scores(case),
         "doors": door_scores(case),
+        "widths": width_scores(case),
         "trajectory": trajectory_scores(case),
         "thickness": thickness_scores(case),
         "dimensions": dimension_scores(case),

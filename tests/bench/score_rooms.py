@@ -12,6 +12,7 @@ MATCH_IOU = 0.5
 INSIDE_SHARE = 0.5  # of a drawn room's area: it belongs to the true space that holds that much of it
 DOOR_ALONG_M = 0.5
 DOOR_ACROSS_M = 0.35
+Z95 = 1.96
 
 
 def room_scores(case: Case) -> dict[str, Any]:
@@ -89,6 +90,18 @@ def door_scores(case: Case) -> dict[str, Any]:
         "false": false / len(drawn) if drawn else 0.0,
         "width_error_m": float(np.mean(widths)) if widths else None,
     }
+
+
+def width_scores(case: Case) -> dict[str, Any]:
+    """Widths of all drawn openings that are true doors or windows, walked through and glimpsed: errors, share within the 95 % interval."""
+    true = [opening for opening in case.truth["openings"] if opening["kind"] in ("door", "window")]
+    pairs = [(opening, door) for door in true for opening in case.plan["openings"] if _same_place(case, opening, door)]
+    error = np.array([opening["width_m"] - door["width_m"] for opening, door in pairs])
+    sigma = np.array([opening["width_sigma_m"] for opening, _ in pairs])
+    if not len(error):
+        return {"count": 0, "mean_m": None, "rms_m": None, "within_95": None}
+    within = float((np.abs(error) <= Z95 * sigma).mean())
+    return {"count": len(error), "mean_m": float(error.mean()), "rms_m": float(np.sqrt((error**2).mean())), "within_95": within}
 
 
 def _same_place(case: Case, opening: dict[str, Any], door: dict[str, Any]) -> bool:
