@@ -88,7 +88,8 @@ def test_a_surface_that_is_not_drawn_is_named_where_no_wall_is() -> None:
     panel = PlanPlane("P7", 0, -1, 3.05, 0.01, ((3.05, 3.05), (0.5, 2.0), (0.0, 2.5)), (), 10)
     covariance = np.eye(7) * 1e-4
     plan = replace(PLAN, planes=(*PLAN.planes, panel), plane_covariance_m2=covariance)
-    beside, beyond = (check_plan(plan, parse_laser((HEADER + row).encode())).bad[0].text for row in (",0.1,1,3.1,1,3.0", ",0.1,4,3.1,4,3.0"))
+    rows = (",0.1,1,3.1,1,3.0", ",0.1,4,3.1,4,3.0")
+    beside, beyond = (check_plan(plan, parse_laser((HEADER + row).encode())).bad[0].text for row in rows)
     assert beside.endswith("seen there, but not drawn as wall: P7 at x = 3.050")
     assert "P7" not in beyond
 
