@@ -40,7 +40,13 @@ def copied_plan(truth: dict[str, Any], work: Path, *, wall_error_m: float = 0.0,
         holes = [turned(hole) for hole in space["holes"]]
         rooms.append({"outline": turned(outline), "holes": holes, "area_m2": space["area_m2"], "partial": False})
     openings = [
-        {"kind": "door", "centre": turned([o["centre"]])[0], "along_axis": 1 - o["along_axis"], "width_m": o["width_m"] + 0.01}
+        {
+            "kind": "door",
+            "centre": turned([o["centre"]])[0],
+            "along_axis": 1 - o["along_axis"],
+            "width_m": o["width_m"] + 0.01,
+            "width_sigma_m": 0.006,
+        }
         for o in truth["openings"]
         if o["kind"] == "door"
     ]
@@ -68,6 +74,8 @@ def test_a_plan_copied_from_the_truth_is_perfect(scan: Path, tmp_path: Path) -> 
     assert result["doors"]["found"] == 1.0
     assert result["doors"]["walked"] >= 3
     assert result["doors"]["width_error_m"] == pytest.approx(0.01)
+    assert result["widths"]["mean_m"] == result["widths"]["rms_m"] == pytest.approx(0.01)
+    assert result["widths"]["within_95"] == 1.0
     assert result["trajectory"]["mean_m"] < 1e-5
 
 
