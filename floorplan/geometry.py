@@ -36,9 +36,12 @@ def quat_xyzw_from_rotation(rotation: Array) -> Array:
 def rotation_about_z(angle_rad: Array) -> Array:
     """Rotation matrices (..., 3, 3) by `angle_rad` (...) counter-clockwise about z."""
     angle = np.asarray(angle_rad, dtype=np.float64)
-    c, s, zero, one = np.cos(angle), np.sin(angle), np.zeros_like(angle), np.ones_like(angle)
-    rows = ((c, -s, zero), (s, c, zero), (zero, zero, one))
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    rotation = np.zeros((*angle.shape, 3, 3))
+    rotation[..., 0, 0], rotation[..., 0, 1] = cosine, -sine
+    rotation[..., 1, 0], rotation[..., 1, 1] = sine, cosine
+    rotation[..., 2, 2] = 1.0
+    return rotation
 
 
 def level_from_sensor(down_sensor: Array, odom_from_sensor: Array, up_odom: Array) -> Array:

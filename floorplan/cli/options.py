@@ -31,7 +31,7 @@ Topics = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Answer in JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Errors only.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say more: why each stage is made.")]
-Jobs = Annotated[int, typer.Option("--jobs", "-j", min=0, metavar="N", help="Threads for reading and segmenting; 0: one per core.")]
+Jobs = Annotated[int, typer.Option("--jobs", "-j", min=0, metavar="N", help="Threads; above 1 a second process draws; 0: one per core.")]
 Dxf = Annotated[Path | None, typer.Option("--dxf", metavar="FILE", help="CAD drawing.")]
 Svg = Annotated[Path | None, typer.Option("--svg", metavar="FILE", help="Drawing in true millimetres.")]
 Pdf = Annotated[Path | None, typer.Option("--pdf", metavar="FILE", help="Sheet to print.")]

@@ -61,8 +61,8 @@ class RefinedOdometry:
 def refine_odometry(source: Source, recording: Recording, progress: Progress = no_progress) -> RefinedOdometry:
     """Match every sweep of a level laser, in time order, with what was seen before it."""
     recorded = level_poses(recording)
-    pose, matched, covariance = recorded.copy(), np.zeros(len(recorded)), np.zeros((len(recorded), 3, 3))
-    information = np.zeros((len(recorded), 3, 3))
+    pose, matched = recorded.copy(), np.zeros(len(recorded))
+    information, total = np.zeros((len(recorded), 3, 3)), np.zeros((len(recorded), 3, 3))
     gap = np.concatenate(([False], frame_gaps(motion_of(recording))))
     around, placed, path_m, trust, nodes = LocalMap(), None, 0.0, _Trust(), _Nodes()
     for k, frame in enumerate(source.frames(range(len(recorded)))):
@@ -78,9 +78,9 @@ def refine_odometry(source: Source, recording: Recording, progress: Progress = n
                     placed = best.pose
                 nodes.take(k, best.pose, seen)
         pose[k], matched[k], information[k] = best.pose, best.share, best.information
-        covariance[k] = np.linalg.inv(best.information + _step_information(step))
+        total[k] = best.information + _step_information(step)
         progress(k + 1, len(recorded))
-    return RefinedOdometry(pose, matched, covariance, information, np.array(nodes.row, dtype=np.int64), tuple(nodes.surfaces))
+    return RefinedOdometry(pose, matched, np.linalg.inv(total), information, np.array(nodes.row, dtype=np.int64), tuple(nodes.surfaces))
 
 
 @dataclass

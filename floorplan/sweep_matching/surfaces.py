@@ -36,10 +36,10 @@ def sweep_surfaces(frame: Frame, sensor: Sensor) -> SweepSurfaces:
     place = points[0, :, :2].astype(np.float64)
     with np.errstate(invalid="ignore"):  # NaN where nothing came back compares as False
         flat = (fitted.residual_m[0] < _FLAT_SIGMAS * sigma) & (size > 0)
-        lone = _spacing(place) > _LONE_M
-        seen = (np.hypot(place[:, 0], place[:, 1]) < _FARTHEST_M) & (flat | ~lone)
+        spacing = _spacing(place)
+        seen = (np.hypot(place[:, 0], place[:, 1]) < _FARTHEST_M) & (flat | ~(spacing > _LONE_M))
     normal = np.where(flat[:, None], normal / size[:, None], 0.0)
-    sigma = np.where(flat, sigma, np.hypot(sigma, _spacing(place)))
+    sigma = np.where(flat, sigma, np.hypot(sigma, spacing))
     return SweepSurfaces(np.column_stack((place[seen], normal[seen])), sigma[seen])
 
 
