@@ -108,13 +108,19 @@ def _planes(
     label, fits, index = label[plane], fits[plane], renumbered(inlier_of, _consecutive(plane))
     grown = grow(points, normals.normal, weight, noise_m, r, index, label // 2, fits[:, Column.OFFSET].copy(), _GROWTH_ROUNDS)
     extent, area = extents_and_areas(points, r, grown, label // 2, look.ray_step_rad, look.camera)
-    keep = _large_enough(extent, area, label // 2, look, config)
+    keep = _large_enough(extent, area, label // 2, *_least_sizes(look, config))
     return PlaneRows(label[keep], fits[keep], extent[keep], area[keep]), renumbered(grown, _consecutive(keep))
 
 
+@compiled
 def _consecutive(kept: Array) -> Array:
     """New numbers (C,) of those kept, -1 for the others."""
-    return np.where(kept, np.cumsum(kept) - 1, -1).astype(np.int32)
+    number, count = np.full(len(kept), -1, np.int32), 0
+    for c in range(len(kept)):
+        if kept[c]:
+            number[c] = count
+            count += 1
+    return number
 
 
 @compiled
@@ -153,11 +159,19 @@ def _covariance(row: Array, first: Array, second: Array) -> float:
     return float(first[0] * u + first[1] * v + first[2] * w)
 
 
-def _large_enough(extent_m: Array, area_m2: Array, axis: Array, look: Look, config: SegmentsConfig) -> Array:
-    row = np.arange(len(axis))
-    side = extent_m[:, :, 1] - extent_m[:, :, 0]
-    side[row, axis] = 0.0
-    longest = side.max(axis=1, initial=0.0)
-    if look.sweep:
-        return np.asarray(longest >= config.min_sweep_extent_m)
-    return np.asarray((longest >= config.min_extent_m) & (area_m2 >= config.min_area_m2))
+def _least_sizes(look: Look, config: SegmentsConfig) -> tuple[float, float]:
+    """Longer side (m) and area (m^2) that a segment has at least."""
+    return (config.min_sweep_extent_m, 0.0) if look.sweep else (config.min_extent_m, config.min_area_m2)
+
+
+@compiled
+def _large_enough(extent_m: Array, area_m2: Array, axis: Array, least_m: float, least_m2: float) -> Array:
+    """Whether each segment (S,) is as long and as large as that."""
+    enough = np.zeros(len(axis), np.bool_)
+    for s in range(len(axis)):
+        longest = 0.0
+        for a in range(3):
+            if a != axis[s]:
+                longest = max(longest, extent_m[s, a, 1] - extent_m[s, a, 0])
+        enough[s] = longest >= least_m and area_m2[s] >= least_m2
+    return enough
