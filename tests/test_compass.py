@@ -1,5 +1,7 @@
 """The compass against rendered rooms whose yaw is known."""
 
+import importlib
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -110,3 +112,16 @@ def test_a_slip_is_not_spread_over_its_neighbours_and_a_stray_reading_is_no_slip
     smooth = smooth_angle(reading, np.full(200, 0.001), np.ones(199), slips=True, most_scale=1.0)
     error = np.degrees(np.abs(smooth.angle_rad - truth))
     assert 1e-6 < error.max() < 0.4  # readings alone: 0.2; the stray one is off by 15
+
+
+@pytest.mark.parametrize(("scan", "share"), [(camera_scan, 9), (laser_scan, 3)])
+def test_a_recording_too_long_for_memory_keeps_fewer_directions_and_finds_the_same_yaw(
+    scan: Callable[[], BoxScan], share: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    box = scan()
+    every = survey(box.scan, box, CompassConfig())
+    pixels = box.recording.sensor.width * box.recording.sensor.height * len(box.recording)
+    monkeypatch.setattr(importlib.import_module("floorplan.compass.survey"), "_MOST_DIRECTIONS", pixels // share)
+    few = survey(box.scan, box, CompassConfig())
+    assert 0 < np.degrees(np.abs(few.yaw_rad - every.yaw_rad).max()) < 0.5
+    assert few.noise.pixel == every.noise.pixel

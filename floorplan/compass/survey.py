@@ -35,6 +35,7 @@ Progress = Callable[[int, int], None]
 _GRID_PX = 88  # columns kept of a camera's image: 1 degree each, enough for normals
 _FRAME_SPACING = 4  # every fourth keyframe of a camera
 _MAX_SPACING_M = 0.8  # ... but never further apart than this
+_MOST_DIRECTIONS = 8_000_000  # of all frames together, 12 bytes each: all pixels of 5000 keyframes of a camera
 _PART_FRAMES = 16  # looked at by one thread at a time
 _WINDOW_M = 0.35
 _NORMAL_SIGMA_RAD = math.radians(2.0)
@@ -118,10 +119,12 @@ def _look(
     sensor = scan.recording.sensor
     stride = max(1, sensor.width // _GRID_PX) if sensor.kind is SensorKind.CAMERA else 1
 
+    step = _pixel_step(sensor, stride, len(sample))
+
     def look(part: Array) -> list[_Glance]:
         frames = source.frames(scan.keyframe[part].tolist(), stride)
         return [
-            _glance(frame, sensor, odometry.level_from_sensor[k]) if isinstance(frame, Frame) else _Glance(math.nan, NOTHING_UPRIGHT)
+            _glance(frame, sensor, odometry.level_from_sensor[k], step) if isinstance(frame, Frame) else _Glance(math.nan, NOTHING_UPRIGHT)
             for frame, k in zip(frames, part, strict=True)
         ]
 
@@ -136,15 +139,24 @@ def _look(
     if not np.isfinite(ratios).any():
         raise InputError("No frame with usable depth was found in the recording.")
     scale = float(np.clip(np.nanmedian(ratios), *_NOISE_SCALE_RANGE))
-    return scale, [glance.upright.directions(scale) for glance in seen]
+    found.clear()
+    seen.reverse()
+    return scale, [seen.pop().upright.directions(scale) for _ in range(len(seen))]  # one by one: not all of them twice in memory
 
 
-def _glance(frame: Frame, sensor: Sensor, level_from_sensor: Array) -> _Glance:
+def _pixel_step(sensor: Sensor, stride: int, frames: int) -> int:
+    """Every how many-th pixel's direction is kept: all of them, unless the recording is so long that they would fill the memory."""
+    pixels = frames * max(sensor.width // stride, 1) * max(sensor.height // stride, 1)
+    share = max(pixels / _MOST_DIRECTIONS, 1.0)
+    return math.ceil(share if sensor.height == 1 else math.sqrt(share))
+
+
+def _glance(frame: Frame, sensor: Sensor, level_from_sensor: Array, step: int) -> _Glance:
     weight = pixel_weights(frame.points, frame.confidence)
     normals = surface_normals(frame.points, weight, sensor, NoiseScale(), _WINDOW_M, _NORMAL_SIGMA_RAD)
     ratio = normals.residual_m[weight > 0] / normals.noise_m[weight > 0]
     ratio = ratio[np.isfinite(ratio)]
-    upright = upright_surfaces(normals, level_from_sensor, max_noise_scale=_NOISE_SCALE_RANGE[1])
+    upright = upright_surfaces(normals, level_from_sensor, step, max_noise_scale=_NOISE_SCALE_RANGE[1])
     return _Glance(float(np.quantile(ratio, _NOISE_QUANTILE)) if len(ratio) else math.nan, upright)
 
 

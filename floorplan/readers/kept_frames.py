@@ -1,7 +1,7 @@
 """A scan whose frames are looked at twice and decoded once, as far as there is room to keep them."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from threading import Lock
 
 import numpy as np
@@ -15,25 +15,34 @@ _ROOM_BYTES = 96 << 20  # the survey's frames of 1200 keyframes; a build takes m
 
 @dataclass
 class _Kept:
-    """Frames read finer than they were asked for, until they are asked for so finely."""
+    """Frames read finer than they were asked for, until they are asked for so finely.
+
+    Their points lie in one block of memory, which goes back to the system as a whole; single ones would leave gaps that stay.
+    """
 
     frame: dict[int, Frame] = field(default_factory=dict)
-    size_bytes: int = 0
+    block: Array | None = None
+    used: int = 0
     lock: Lock = field(default_factory=Lock)
 
     def add(self, frame: Frame) -> None:
         """Keep `frame` where there is room."""
-        size = frame.points.nbytes
         with self.lock:
-            if frame.index not in self.frame and self.size_bytes + size <= _ROOM_BYTES:
-                self.frame[frame.index] = frame
-                self.size_bytes += size
+            if self.block is None and not self.used:
+                self.block = np.empty((_ROOM_BYTES // frame.points.nbytes, *frame.points.shape), np.float32)
+            if self.block is None or self.used == len(self.block) or frame.points.shape != self.block.shape[1:]:
+                return
+            room = self.block[self.used]
+            self.used += 1
+        np.copyto(room, frame.points)
+        self.frame[frame.index] = replace(frame, points=room)
 
     def take(self, index: int) -> Frame | None:
-        """The kept frame, which is then kept no more."""
+        """The kept frame, which is then kept no more; the last one taken gives up the memory."""
         with self.lock:
             frame = self.frame.pop(index, None)
-            self.size_bytes -= frame.points.nbytes if frame else 0
+            if not self.frame:
+                self.block = None
         return frame
 
 
