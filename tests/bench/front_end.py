@@ -5,8 +5,11 @@ Peers: Open3D (normals, then planar patches) and a plain NumPy form of our own l
 """
 
 import argparse
+import json
 import resource
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -21,18 +24,21 @@ from floorplan.config_file import load_config
 from floorplan.grid.normals import pixel_weights, surface_normals
 from floorplan.ingest import ingest
 from floorplan.model.checks import Array
-from floorplan.model.scan import Frame, IngestedScan
+from floorplan.model.scan import Frame, IngestedScan, SensorKind
 from floorplan.model.segment import SegmentedScan
 from floorplan.readers import open_scan
 from floorplan.readers.base import Source
+from floorplan.readers.kept_frames import KeptFrames
 from floorplan.segments import grid_stride, join, segment_chunk, segment_frame
 from floorplan.segments.labels import label_by_normals
 from floorplan.simulate.raycast import load_open3d
+from floorplan.work.values import load_value
 from tests.bench.clutter import Cluttered
 from tests.bench.front_end_truth import FrontEndTruth, against_truth
 
 _FRAMES = 40
 _MAX_HALF_PX, _GATE_M, _SUPPORT = 7, 0.03, 0.6  # of the NumPy vote
+_LOOK_S = 0.01  # between two looks at the work folder
 _CORES = 2  # the bars are for two
 _SPEED_COLUMNS = ("settings", "keyframes of frames", "ms CPU per recorded frame", "x real time on 2 cores", "first chunk s")
 _ACCURACY_COLUMNS = ("yaw deg", "tilt deg", "wrong quarter turns", "offset mm", "chi-square", "purity", "tracks", "pixels on planes")
@@ -125,8 +131,10 @@ class StageRun:
 def run_stage(scan: IngestedScan, source: Source, config: Config) -> StageRun:
     """Survey, chunks and join on one thread, as `build` runs them."""
     start, wall = time.process_time(), time.monotonic()
-    prior = survey(scan, source, config.compass)
     stride = grid_stride(scan.recording.sensor, config.segments)
+    if scan.recording.sensor.kind is SensorKind.CAMERA:
+        source = KeptFrames(source, stride)
+    prior = survey(scan, source, config.compass)
     parts = np.split(scan.keyframe, range(CHUNK_KEYFRAMES, len(scan.keyframe), CHUNK_KEYFRAMES))
     chunks, first = [], 0.0
     for rows in parts:
@@ -179,6 +187,35 @@ def step_lines(folder: Path) -> list[str]:
     return lines + [f"| {name} | {ms:.2f} |" for name, ms in measure(scan, source, prior, config.segments)]
 
 
+def clock_lines(folder: Path, jobs: int, runs: int) -> list[str]:
+    """The stage on the clock, in builds of their own as a user starts them: the stage, and from the start to its first frames."""
+    lines = ["| run | stage s | x real time | start to first chunk s |", "| --- | --- | --- | --- |"]
+    for run in range(runs + 1):
+        with tempfile.TemporaryDirectory() as work:
+            begin = time.time()
+            command = [sys.executable, "-m", "floorplan", "build", str(folder), "--work", f"{work}/w"]
+            command += ["--until", "segments", "--jobs", str(jobs)]
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as build:
+                first_s = _first_chunk_s(Path(work) / "w", build, begin)
+            stage = json.loads((Path(work) / "w" / "2-segments" / "stage.json").read_text("utf-8"))
+            stamp = load_value(Path(work) / "w" / "1-ingest", IngestedScan).recording.stamp_ns
+        if run:  # the one before was to warm the caches
+            speed = (stamp[-1] - stamp[0]) * 1e-9 / stage["seconds"]
+            lines.append(f"| {run}, {jobs} jobs | {stage['seconds']:.2f} | {speed:.1f} | {first_s:.2f} |")
+    return lines
+
+
+def _first_chunk_s(work: Path, build: "subprocess.Popen[bytes]", begin: float) -> float:
+    """Seconds after `begin` at which the first chunk of segments was finished on disk; NaN where it came and went unseen."""
+    while build.poll() is None:
+        finished = [path.stat().st_mtime for path in work.glob("2-segments.partial/chunk-*")]
+        if finished:
+            build.wait()
+            return min(finished) - begin
+        time.sleep(_LOOK_S)
+    return float("nan")
+
+
 def main() -> None:
     """Print the tables for the scan named on the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -187,7 +224,12 @@ def main() -> None:
     parser.add_argument("--stage-only", action="store_true", help="leave out the steps and the peers")
     parser.add_argument("--clutter", type=float, default=0.0, help="share of the pixels hidden by patches at random angles")
     parser.add_argument("--variant", action="append", help="settings section.key=value, joined by commas; again for another row")
+    parser.add_argument("--clock", type=int, metavar="RUNS", help="the stage on the clock instead, in so many builds of their own")
+    parser.add_argument("--jobs", type=int, default=_CORES, help="threads of those builds")
     asked = parser.parse_args()
+    if asked.clock:
+        sys.stdout.write("\n".join(clock_lines(asked.scan, asked.jobs, asked.clock)) + "\n")
+        return
     lines = [] if asked.stage_only else step_lines(asked.scan)
     lines += stage_lines(asked.scan, asked.variant or [""], asked.truth, asked.clutter)
     sys.stdout.write("\n".join(lines) + "\n")
