@@ -8,7 +8,8 @@ from floorplan.geometry import rotation_about_z
 from floorplan.grid.normals import NoiseScale, pixel_weights, surface_normals
 from floorplan.model.scan import Intrinsics, NoiseModel, Sensor, SensorKind
 from floorplan.model.segment import Segments
-from floorplan.segments.chunk import join_evidence, join_patches
+from floorplan.segments.chunk import join_patches
+from floorplan.segments.chunk_evidence import joined_evidence, points_at_hand
 from floorplan.segments.error_sizes import SegmentErrors, learnt_sizes
 from floorplan.segments.fit import Column, fit_components
 from floorplan.segments.ripple import Ripple, ripple_of
@@ -172,7 +173,6 @@ def own_ripple_m(ripple_m2: np.ndarray, blocks: np.ndarray, sigma_m: np.ndarray)
     count = len(blocks)
     row, box, point, scatter = np.zeros(count), np.zeros((count, 3, 2)), np.zeros((count, 3)), np.zeros((count, 3, 3))
     segments = Segments(row, row, row + 1, row, sigma_m, row, row, box, point, scatter)
-    chunk = SegmentedChunk(
-        np.zeros(1), np.eye(3)[None], np.zeros(1), np.ones(1), segments, ripple_m2, blocks, join_patches([]), join_evidence([], [])
-    )
+    nothing = joined_evidence([], 0, points_at_hand)
+    chunk = SegmentedChunk(np.zeros(1), np.eye(3)[None], np.zeros(1), np.ones(1), segments, ripple_m2, blocks, join_patches([]), nothing)
     return np.asarray(ripple_of([chunk]).own_m)
