@@ -68,7 +68,7 @@ def segment_frame(frame: Frame, index: int, prior: CompassPrior, sensor: Sensor,
         labels.label, labels.coordinate_m, labels.gate_m, _LEAST_SWEEP_BEAMS if look.sweep else _LEAST_COMPONENT_PX
     )
     planes, segment_of_pixel = _planes(points, normals, components, look, r, config)
-    patches = off_axis_patches(components, points, normals.noise_m, r)
+    patches = off_axis_patches(components, points, normals, r)
     evidence = thin(points, weight, segment_of_pixel, index, config.evidence_points, look.pixels_per_point)
     return SegmentedFrame(index, look.pixels_per_point, rotation, planes, patches, evidence, labels.label, segment_of_pixel)
 

@@ -1,11 +1,13 @@
 """Upright surfaces that follow no axis: straight lines in plan, outside the Manhattan model."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from floorplan.compiled import compiled
 from floorplan.grid.components import Components
+from floorplan.grid.normals import SurfaceNormals
 from floorplan.model.checks import Array
 from floorplan.model.segment import FreePatches
 from floorplan.segments.labels import OFF_AXIS
@@ -16,12 +18,22 @@ _MIN_OFF_AXIS_RAD = math.radians(5.0)
 _MAX_RMS_SIGMAS = 2.0  # a curved or stepped surface fits worse than its noise
 _FLOOR_M = 0.01
 _TRIM = 0.01
+_NEAR_RAD = math.radians(12.0)  # a pixel of the line's surface may have a normal this far off, and its own noise
+_BEYOND_M = 0.3  # the line's ends, where more of its surface may be
+_NEAR_SIGMAS = 2.5
+_ROUNDS = 3
 COLUMNS = 9  # of a patch: normal yaw, start x y, end x y, height low high, sigma, points
 
 
-def off_axis_patches(components: Components, points: Array, noise_m: Array, world_from_sensor: Array) -> Array:
-    """One row of `COLUMNS` per straight one among the components labelled OFF_AXIS."""
-    rows = _lines(components.label, components.start, components.order, points.reshape(-1, 3), noise_m.ravel(), world_from_sensor)
+def off_axis_patches(components: Components, points: Array, normals: SurfaceNormals, world_from_sensor: Array) -> Array:
+    """One row of `COLUMNS` per straight one among the components labelled OFF_AXIS.
+
+    A component holds those pixels of its surface whose normals happen to lean away from the axes: of a wall 11 degrees off them, the
+    steeper ones. So the line is fitted anew to all pixels that lie on it and look its way, whatever their label.
+    """
+    flat = points.reshape(-1, 3)
+    pixel = Pixels(flat, normals.normal.reshape(-1, 3), normals.sigma_rad.ravel(), normals.noise_m.ravel())
+    rows = _lines(components.label, components.start, components.order, pixel, world_from_sensor)
     return np.asarray(rows[rows[:, 6] - rows[:, 5] >= _MIN_HEIGHT_M]) if len(points) > 1 else rows
 
 
@@ -31,24 +43,67 @@ def patches_of(rows: Array, frame: Array, pixels_per_point: Array) -> FreePatche
     return FreePatches(frame, rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5:7], rows[:, 7], count)
 
 
+class Pixels(NamedTuple):
+    """A frame's pixels (N): `point (N, 3)` and `normal (N, 3)` in sensor axes, `sigma_rad` of the normal, `noise_m` along the ray."""
+
+    point: Array
+    normal: Array
+    sigma_rad: Array
+    noise_m: Array
+
+
 @compiled
-def _lines(label: Array, start: Array, order: Array, points: Array, noise_m: Array, r: Array) -> Array:
+def _lines(label: Array, start: Array, order: Array, pixel: Pixels, r: Array) -> Array:
     """One row of `COLUMNS` per component that is a straight line in plan."""
     rows = np.empty((np.count_nonzero(label == OFF_AXIS), COLUMNS))
     count = 0
     for c in range(len(label)):
-        if label[c] == OFF_AXIS and _line(points, order[start[c] : start[c + 1]], noise_m, r, rows[count]):
+        if label[c] != OFF_AXIS:
+            continue
+        pixels = order[start[c] : start[c + 1]]
+        found = _line(pixel, pixels, r, rows[count])
+        for _ in range(_ROUNDS):
+            if found:
+                pixels = _on_line(pixel, r, rows[count])
+                found = len(pixels) > 0 and _line(pixel, pixels, r, rows[count])
+        if found:
             count += 1
     return rows[:count]
 
 
 @compiled
-def _line(points: Array, pixels: Array, noise_m: Array, r: Array, row: Array) -> bool:
+def _on_line(pixel: Pixels, r: Array, row: Array) -> Array:
+    """The pixels that lie on the line of `row` and whose surface looks as it does."""
+    n_x, n_y = math.cos(row[0]), math.sin(row[0])
+    length = math.hypot(row[3] - row[1], row[4] - row[2])
+    t_x, t_y = (row[3] - row[1]) / length, (row[4] - row[2]) / length
+    found = np.empty(len(pixel.point), np.int64)
+    count = 0
+    for k in range(len(pixel.point)):
+        x, y, z = pixel.point[k, 0], pixel.point[k, 1], pixel.point[k, 2]
+        dx = r[0, 0] * x + r[0, 1] * y + r[0, 2] * z - row[1]
+        dy = r[1, 0] * x + r[1, 1] * y + r[1, 2] * z - row[2]
+        height = r[2, 0] * x + r[2, 1] * y + r[2, 2] * z
+        along = dx * t_x + dy * t_y
+        if not abs(dx * n_x + dy * n_y) < _NEAR_SIGMAS * math.hypot(pixel.noise_m[k], 0.5 * _FLOOR_M):
+            continue  # also where there is no point
+        if along < -_BEYOND_M or along > length + _BEYOND_M or height < row[5] or height > row[6]:
+            continue
+        n = pixel.normal[k]
+        across = n_x * (r[0, 0] * n[0] + r[0, 1] * n[1] + r[0, 2] * n[2]) + n_y * (r[1, 0] * n[0] + r[1, 1] * n[1] + r[1, 2] * n[2])
+        if across > math.cos(_NEAR_RAD + pixel.sigma_rad[k]):
+            found[count] = k
+            count += 1
+    return found[:count]
+
+
+@compiled
+def _line(pixel: Pixels, pixels: Array, r: Array, row: Array) -> bool:
     """The line through the pixels into `row`; False where it is none, is short, or follows an axis."""
     count = len(pixels)
     world = np.empty((3, count))
     for k in range(count):
-        x, y, z = points[pixels[k], 0], points[pixels[k], 1], points[pixels[k], 2]
+        x, y, z = pixel.point[pixels[k], 0], pixel.point[pixels[k], 1], pixel.point[pixels[k], 2]
         for a in range(3):
             world[a, k] = r[a, 0] * x + r[a, 1] * y + r[a, 2] * z
     centre_x, centre_y = world[0].mean(), world[1].mean()
@@ -66,7 +121,7 @@ def _line(points: Array, pixels: Array, noise_m: Array, r: Array, row: Array) ->
     yaw = math.atan2(n_y, n_x)
     off_axis = abs(yaw - 0.5 * math.pi * math.floor(yaw / (0.5 * math.pi) + 0.5))
     rms = math.sqrt(max(0.5 * (xx + yy) - math.hypot(0.5 * (xx - yy), xy), 0.0) / count)
-    if off_axis < _MIN_OFF_AXIS_RAD or rms > _MAX_RMS_SIGMAS * np.median(noise_m[pixels]) + _FLOOR_M:
+    if off_axis < _MIN_OFF_AXIS_RAD or rms > _MAX_RMS_SIGMAS * np.median(pixel.noise_m[pixels]) + _FLOOR_M:
         return False
     low, high = _trimmed_ends((world[0] - centre_x) * t_x + (world[1] - centre_y) * t_y)
     if high - low < _MIN_LENGTH_M:
