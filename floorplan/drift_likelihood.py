@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from floorplan.errors import NoSolutionError
-from floorplan.frontal import eliminate_in_order, log_marginal_likelihood
+from floorplan.frontal import log_marginal_likelihood_of
 from floorplan.lumps import lump_length_m, lumped
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
@@ -108,7 +108,7 @@ def _likelihood(drift: DriftModel, vertical: VerticalDrift, factor: float, asked
     total = 0.0
     for piece in asked:
         chain = odometry_of(piece.graph, piece.rows, _over_lumps(drift, piece.frames), _over_lumps(vertical, piece.frames), None)
-        total += log_marginal_likelihood(eliminate_in_order(chain, piece.rows.arranged.weakened(factor)))
+        total += log_marginal_likelihood_of(chain, piece.rows.arranged, factor)
     if not np.isfinite(total):
         raise NoSolutionError("The likelihood of the odometry's drift is not finite: check distances and translations for NaN.")
     return total

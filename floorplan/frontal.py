@@ -13,7 +13,17 @@ import numpy as np
 from floorplan.chain import Chain, Rows
 from floorplan.errors import NoSolutionError
 from floorplan.frontal_covariance import planes_covariance
-from floorplan.frontal_kernels import NOBODY, Factor, FrameRows, Front, eliminate, substitute_back, substitute_forward
+from floorplan.frontal_kernels import (
+    NOBODY,
+    Factor,
+    FrameRows,
+    eliminate,
+    empty_factor,
+    empty_front,
+    reduced_out,
+    substitute_back,
+    substitute_forward,
+)
 from floorplan.model.checks import Array
 
 
@@ -56,13 +66,6 @@ class Arranged:
     square_sum: float
     log_weight: float
 
-    def weakened(self, factor: float) -> "Arranged":
-        """The same with every sigma times `factor`."""
-        share = factor**-2
-        rows = self.rows._replace(weight=self.rows.weight * share)
-        log_weight = self.log_weight + len(rows.weight) * float(np.log(share))
-        return Arranged(rows, self.most_open, self.frame_pull * share, self.column_pull * share, self.square_sum * share, log_weight)
-
 
 def arrange(rows: Rows, shape: tuple[int, int], planes: int, pinned: int) -> Arranged:
     """The rows of `planes` columns for a chain of `shape` (N, n) with `pinned` states of frame 0; those of weight 0 are left out."""
@@ -86,8 +89,7 @@ def eliminate_in_order(chain: Chain, arranged: Arranged) -> Eliminated:
     frames, states, width = chain.dense.shape
     planes = len(arranged.column_pull)
     seats = width + arranged.most_open
-    front, factor = _front(seats, states, width, planes), _factor(frames, states, seats, planes)
-    front.inner[:width, :width] = chain.dense_information
+    front, factor = empty_front(seats, states, planes, chain.dense_information), empty_factor(frames, states, seats, planes)
     log_det = eliminate(front, factor, arranged.rows, chain.diagonal, chain.coupling, chain.dense, chain.pinned)
     if not np.isfinite(log_det):
         raise NoSolutionError("The trajectory's normal equations are singular: check the odometry rows for zeros or NaN.")
@@ -123,6 +125,18 @@ def log_marginal_likelihood(eliminated: Eliminated) -> float:
     square += float(seats[:width] @ np.linalg.solve(eliminated.information, seats[:width]))
     log_det = eliminated.log_det + float(np.linalg.slogdet(eliminated.information)[1])
     return 0.5 * (eliminated.log_weight - log_det - (eliminated.square_sum - square))
+
+
+def log_marginal_likelihood_of(chain: Chain, arranged: Arranged, factor: float) -> float:
+    """The same of a chain with every measurement's sigma times `factor`, without a factorisation to keep; NaN where singular."""
+    share = factor**-2
+    rows = arranged.rows._replace(weight=arranged.rows.weight * share)
+    log_det, square = reduced_out(
+        rows, arranged.most_open, chain.diagonal, chain.coupling, chain.dense, chain.dense_information, chain.pinned,
+        chain.rhs + share * arranged.frame_pull, share * arranged.column_pull, chain.dense_rhs,
+    )  # fmt: skip
+    log_weight = chain.log_weight + arranged.log_weight + len(rows.weight) * float(np.log(share))
+    return 0.5 * (log_weight - log_det - (chain.square_sum + share * arranged.square_sum - square))
 
 
 def joint_covariance(eliminated: Eliminated) -> Array:
@@ -166,23 +180,3 @@ def _most_open(rows: Rows, frames: int, planes: int) -> int:
     seen = last >= 0
     change = np.bincount(first[seen], minlength=frames + 2) - np.bincount(last[seen] + 1, minlength=frames + 2)
     return int(np.cumsum(change).max(initial=0))
-
-
-def _front(seats: int, states: int, width: int, planes: int) -> Front:
-    column, seat = np.full(seats, NOBODY), np.full(planes + width, NOBODY)
-    column[:width], seat[planes:] = planes + np.arange(width), np.arange(width)
-    return Front(np.zeros((seats, seats)), np.zeros((seats, states)), np.zeros((states, states)), column, seat)
-
-
-def _factor(frames: int, states: int, seats: int, planes: int) -> Factor:
-    return Factor(
-        lower=np.zeros((frames, states, states)),
-        link=np.zeros((frames, states, states)),
-        felt=np.zeros((frames, seats, states)),
-        pivot=np.ones(planes),
-        row=np.zeros((planes, seats)),
-        ahead=np.zeros((planes, states)),
-        seat=np.full(planes, NOBODY),
-        order=np.full(planes, NOBODY),
-        done=np.zeros(frames + 1, dtype=np.int64),
-    )

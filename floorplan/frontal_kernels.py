@@ -54,6 +54,27 @@ class Factor(NamedTuple):
 
 
 @compiled
+def empty_front(seats: int, states: int, planes: int, information: Array) -> Front:
+    """Nothing but the dense columns, whose own matrix is `information (G, G)`, in the first seats."""
+    width = len(information)
+    column, seat, inner = np.full(seats, NOBODY), np.full(planes + width, NOBODY), np.zeros((seats, seats))
+    for g in range(width):
+        column[g], seat[planes + g] = planes + g, g
+    inner[:width, :width] = information
+    return Front(inner, np.zeros((seats, states)), np.zeros((states, states)), column, seat)
+
+
+@compiled
+def empty_factor(frames: int, states: int, seats: int, planes: int) -> Factor:
+    """A factor to be filled by `eliminate`."""
+    return Factor(
+        np.zeros((frames, states, states)), np.zeros((frames, states, states)), np.zeros((frames, seats, states)), np.ones(planes),
+        np.zeros((planes, seats)), np.zeros((planes, states)), np.full(planes, NOBODY), np.full(planes, NOBODY),
+        np.zeros(frames + 1, np.int64),
+    )  # fmt: skip
+
+
+@compiled
 def eliminate(front: Front, factor: Factor, rows: FrameRows, diagonal: Array, coupling: Array, dense: Array, pinned: int) -> float:
     """Eliminate all frames and planes; the dense columns, which sit in the first seats, stay. Gives back log det, NaN if singular."""
     count, width, nothing = len(diagonal), dense.shape[2], np.zeros_like(front.state)
@@ -204,3 +225,24 @@ def substitute_back(factor: Factor, frames: Array, planes: Array, seats: Array) 
                 mine[k] -= factor.link[i, r, k] * after[r]
         backward_block(factor.lower[i], mine)
         after = mine
+
+
+@compiled
+def reduced_out(
+    rows: FrameRows, most_open: int, diagonal: Array, coupling: Array, dense: Array, information: Array, pinned: int, frames: Array,
+    planes: Array, wide: Array,
+) -> tuple[float, float]:
+    """log det and `h^T T^-1 h` of a whole chain, dense columns included.
+
+    Right-hand sides as for `substitute_forward`; `wide (G,)` those of the dense columns.
+    """
+    (count, states), width, seen = frames.shape, len(information), len(planes)
+    seats = width + most_open
+    front, factor = empty_front(seats, states, seen, information), empty_factor(count, states, seats, seen)
+    log_det = eliminate(front, factor, rows, diagonal, coupling, dense, pinned)
+    right, lower = np.zeros(seats), np.zeros((width, width))
+    right[:width] = wide
+    square = substitute_forward(factor, frames, planes, right)
+    log_det += factor_block(front.inner[:width, :width], lower)
+    forward_block(lower, right[:width])
+    return log_det, square + np.dot(right[:width], right[:width])

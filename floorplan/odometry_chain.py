@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from floorplan.chain import Chain
-from floorplan.chain_builder import ChainBuilder
-from floorplan.compiled import compiled
+from floorplan.chain_blocks import Blocks, joint_blocks, upright_blocks
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel, VerticalDrift
 
 PX, PY, SCALE, SIDEWAYS = 0, 1, 2, 3  # states of a frame of the joint chain
+SLOPE = 1  # of one of the upright chain, behind its height
 JOINT_STATES, UPRIGHT_STATES = 4, 2
 MAP_CORRELATION_M = 2.0  # of path: neighbouring places of a map are off together
 STANDING_M = 1e-4  # of path that a frame at rest counts for
@@ -49,8 +49,6 @@ def joint_chain(
     """
     t = translation_m[:, :2]
     u = t if step_m is None else step_m[:, :2]
-    builder = ChainBuilder(len(t) + 1, JOINT_STATES, 1)
-    builder.add_prior(0, (0.0, 0.0, drift.scale_sigma**-2, drift.sideways_sigma**-2))
     length = np.maximum(np.sqrt((u**2).sum(axis=1)), STEP_FLOOR_M)
     white = np.repeat(step_variance_m2(u, drift)[:, None], 2, axis=1)
     felt = u
@@ -58,51 +56,26 @@ def joint_chain(
         white[links.row] = links.sigma_m[:, :2] ** 2
         felt = u.copy()  # the step that rates and scale act on
         felt[links.row] = 0.0
-    sizes = np.array([drift.scale_sigma, drift.sideways_sigma])
-    here, there, wide, value, weight = _joint_rows(t, felt, white, _memory(length, drift.correlation_m, links), sizes)
-    builder.add_rows(here, there, wide, value, weight)
+    blocks = joint_blocks(t, felt, white, _memory(length, drift.correlation_m, links), drift.scale_sigma, drift.sideways_sigma)
+    _add_prior(blocks, SCALE, drift.scale_sigma)
+    _add_prior(blocks, SIDEWAYS, drift.sideways_sigma)
     if map_sigma_m is not None:
-        _add_map(builder, t, map_sigma_m)
-    builder.dense_information += drift.global_scale_sigma**-2
-    builder.log_weight -= 2 * np.log(drift.global_scale_sigma)
-    return builder.chain(pinned=2)
-
-
-@compiled
-def _joint_rows(t: Array, felt: Array, white: Array, memory: Array, sizes: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Rows of every step as `ChainBuilder.add_rows` takes them: x, y (variance `white (N-1, 2)`), scale and sideways rate (E2, E3).
-
-    `t (N-1, 2)` the steps, of which rates and global scale act on `felt (N-1, 2)`; `memory (N-1,)` and `sizes (2,)` of the rates.
-    """
-    here, there, wide = np.zeros((len(t), 4, JOINT_STATES)), np.zeros((len(t), 4, JOINT_STATES)), np.zeros((len(t), 4, 1))
-    value, weight = np.zeros((len(t), 4)), np.empty((len(t), 4))
-    for i in range(len(t)):
-        for k in range(2):
-            here[i, k, k], there[i, k, k] = -1.0, 1.0
-            here[i, k, SCALE], wide[i, k, 0] = -felt[i, k], -felt[i, k]
-            here[i, k, SIDEWAYS] = felt[i, 1] if k == PX else -felt[i, 0]
-            value[i, k], weight[i, k] = t[i, k], 1.0 / white[i, k]
-            here[i, 2 + k, SCALE + k], there[i, 2 + k, SCALE + k] = -memory[i], 1.0
-            weight[i, 2 + k] = 1.0 / ((1.0 - memory[i] ** 2) * sizes[k] ** 2)
-    return here, there, wide, value, weight
+        _add_map(blocks, t, map_sigma_m)
+    blocks.dense_information[:] += drift.global_scale_sigma**-2
+    blocks.sums[1] -= 2 * np.log(drift.global_scale_sigma)
+    return _chain(blocks, pinned=2)
 
 
 def upright_chain(translation_m: Array, drift: VerticalDrift, links: Links = NO_LINKS) -> Chain:
     """z alone, states (pz, r): `p_{i+1} - p_i - r_i l_i = t_i`, l the path length of the step, r AR(1) in the path length."""
     length = np.maximum(np.linalg.norm(translation_m, axis=1), STEP_FLOOR_M)
-    count = len(length) + 1
-    builder = ChainBuilder(count, UPRIGHT_STATES, 0)
-    builder.add_prior(0, (0.0, drift.slope_sigma**-2))
-    here, there = np.zeros((count - 1, 2, 2)), np.zeros((count - 1, 2, 2))
     memory = _memory(length, drift.correlation_m, links)
+    white = drift.rate_m_per_sqrt_m**2 * length
+    white[links.row] = links.sigma_m[:, 2] ** 2
     length[links.row] = 0.0
-    here[:, 0, 0], here[:, 0, 1], here[:, 1, 1] = -1.0, -length, -memory
-    there[:, 0, 0] = there[:, 1, 1] = 1.0
-    variance = np.column_stack([drift.rate_m_per_sqrt_m**2 * length, drift.slope_sigma**2 * (1 - memory**2)])
-    variance[links.row, 0] = links.sigma_m[:, 2] ** 2
-    value = np.column_stack([translation_m[:, 2], np.zeros(count - 1)])
-    builder.add_rows(here, there, None, value, 1.0 / variance)
-    return builder.chain(pinned=1)
+    blocks = upright_blocks(translation_m[:, 2], length, white, memory, drift.slope_sigma)
+    _add_prior(blocks, SLOPE, drift.slope_sigma)
+    return _chain(blocks, pinned=1)
 
 
 def _memory(length_m: Array, correlation_m: float, links: Links) -> Array:
@@ -112,9 +85,32 @@ def _memory(length_m: Array, correlation_m: float, links: Links) -> Array:
     return np.asarray(memory)
 
 
-def _add_map(builder: ChainBuilder, t: Array, sigma_m: Array) -> None:
+def _add_prior(blocks: Blocks, state: int, sigma: float) -> None:
+    """A zero-mean prior on one state of the first frame."""
+    blocks.diagonal[0, state, state] += sigma**-2
+    blocks.sums[1] -= 2 * np.log(sigma)
+
+
+def _add_map(blocks: Blocks, t: Array, sigma_m: Array) -> None:
     """Rows `p_i = sum of the steps before`; frames closer together than MAP_CORRELATION_M share one error, and one such row."""
     half = 0.5 * np.linalg.norm(t, axis=1)
     share = np.concatenate((half, [0.0])) + np.concatenate(([0.0], half)) + STANDING_M
     weight = share / MAP_CORRELATION_M / sigma_m**2
-    builder.add_places((PX, PY), np.concatenate((np.zeros((1, 2)), np.cumsum(t, axis=0))), weight)
+    place = np.concatenate((np.zeros((1, 2)), np.cumsum(t, axis=0)))
+    for state in (PX, PY):
+        blocks.diagonal[:, state, state] += weight
+        blocks.rhs[:, state] += weight * place[:, state]
+        blocks.sums[0] += float((weight * place[:, state] ** 2).sum())
+        blocks.sums[1] += float(np.log(weight).sum())
+
+
+def _chain(blocks: Blocks, pinned: int) -> Chain:
+    """The sums, with the gauge: the first `pinned` states of frame 0 leave the problem."""
+    gone = slice(0, pinned)
+    blocks.diagonal[0, gone, :] = blocks.diagonal[0, :, gone] = 0.0
+    blocks.diagonal[0, gone, gone] = np.eye(pinned)
+    blocks.coupling[:1, :, gone] = 0.0
+    blocks.rhs[0, gone] = 0.0
+    blocks.dense[0, gone] = 0.0
+    square_sum, log_weight = blocks.sums.tolist()
+    return Chain(*blocks[:-1], square_sum, log_weight, pinned)

@@ -84,12 +84,21 @@ def _differences(graph: LayoutGraph, usable: Array, axes: tuple[int, ...]) -> _D
     path = np.concatenate([[0.0], np.cumsum(np.linalg.norm(graph.translation_m, axis=1))])
     track, frame, axis = graph.track[rows], graph.frame[rows], graph.axis[graph.track[rows]]
     level = graph.distance_m[rows] + dead[frame, axis]
-    parts = []
-    for lag in LAGS:
-        a = np.nonzero(track[lag:] == track[:-lag])[0]
-        b = a + lag
-        moved = dead[frame[b]] - dead[frame[a]]
-        along = moved[np.arange(len(a)), axis[a]]
-        across = np.sqrt(np.maximum((moved[:, :2] ** 2).sum(1) - along**2, 0.0))
-        parts.append(np.column_stack([level[b] - level[a], path[frame[b]] - path[frame[a]], along, across]))
-    return _Differences(*np.vstack(parts).T)
+    return _Differences(*_lagged(track, frame, axis, level, dead, path, np.array(LAGS)))
+
+
+@compiled
+def _lagged(track: Array, frame: Array, axis: Array, level: Array, dead: Array, path: Array, lags: Array) -> Array:
+    """Difference of level, path, along and across (4, D) of all rows of one track that lie so many rows apart."""
+    found, used = np.empty((4, len(lags) * len(track))), 0
+    for lag in lags:
+        for a in range(len(track) - lag):
+            b = a + lag
+            if track[a] == track[b]:
+                there, here = dead[frame[b]], dead[frame[a]]
+                along = there[axis[a]] - here[axis[a]]
+                level_square = (there[0] - here[0]) ** 2 + (there[1] - here[1]) ** 2
+                found[0, used], found[1, used], found[2, used] = level[b] - level[a], path[frame[b]] - path[frame[a]], along
+                found[3, used] = np.sqrt(max(level_square - along**2, 0.0))
+                used += 1
+    return found[:, :used]

@@ -6,9 +6,16 @@ import numpy as np
 import pytest
 
 from floorplan.chain import Chain, Rows
-from floorplan.chain_builder import ChainBuilder
 from floorplan.errors import NoSolutionError
-from floorplan.frontal import Eliminated, arrange, eliminate_in_order, joint_covariance, least_squares, log_marginal_likelihood
+from floorplan.frontal import (
+    Eliminated,
+    arrange,
+    eliminate_in_order,
+    joint_covariance,
+    least_squares,
+    log_marginal_likelihood,
+    log_marginal_likelihood_of,
+)
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel
 from floorplan.odometry_chain import NO_LINKS, Links, joint_chain, step_variance_m2
@@ -37,6 +44,18 @@ def random_rows(rng: np.random.Generator, components: int) -> Rows:
 
 def eliminated_of(chain: Chain, rows: Rows, planes: int) -> Eliminated:
     return eliminate_in_order(chain, arrange(rows, chain.rhs.shape, planes, chain.pinned))
+
+
+def plain_chain(t: Array) -> Chain:
+    """Rows `p_{i+1} - p_i = t_i` of weight 1, `p_0 = 0`."""
+    count = len(t) + 1
+    diagonal, rhs = np.full((count, 1, 1), 2.0), np.zeros((count, 1))
+    diagonal[[0, -1]] = 1.0
+    rhs[1:, 0] += t
+    rhs[1:-1, 0] -= t[1:]
+    coupling = -np.ones((count - 1, 1, 1))
+    coupling[0] = 0.0
+    return Chain(diagonal, coupling, rhs, np.zeros((count, 1, 0)), np.zeros((0, 0)), np.zeros(0), float(t @ t), 0.0, 1)
 
 
 def dense_joint(t: Array, drift: DriftModel, rows: Rows, links: Links = NO_LINKS) -> Dense:
@@ -120,9 +139,7 @@ def test_a_long_walk_past_many_planes_opens_few_seats_and_forgets_nothing() -> N
     column = np.repeat(np.arange(planes), 20)
     rows = Rows(frame, np.zeros_like(frame), column, rng.normal(0, 1, len(frame)), np.ones(len(frame)))
     t = rng.normal(0, 0.1, frames - 1)
-    builder = ChainBuilder(frames, 1, 0)
-    builder.add_rows(-np.ones((frames - 1, 1, 1)), np.ones((frames - 1, 1, 1)), None, t[:, None], np.ones((frames - 1, 1)))
-    eliminated = eliminated_of(builder.chain(pinned=1), rows, planes + 1)
+    eliminated = eliminated_of(plain_chain(t), rows, planes + 1)
     solved = least_squares(eliminated)
     assert eliminated.factor.felt.shape[1] < 5  # no more seats than planes open at one time
     assert solved.column[planes] == 0.0  # never seen
@@ -144,3 +161,13 @@ def test_odometry_without_numbers_is_refused() -> None:
     t[7] = np.nan
     with pytest.raises(NoSolutionError, match="singular"):
         eliminated_of(joint_chain(t, DRIFT), random_rows(np.random.default_rng(6), 2), PLANES)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.7])
+def test_the_likelihood_without_a_factor_to_keep_is_that_of_the_rows_with_every_sigma_times_the_factor(factor: float) -> None:
+    rng = np.random.default_rng(7)
+    chain, rows = joint_chain(rng.normal(0, 0.2, (FRAMES - 1, 2)), DRIFT), random_rows(rng, 2)
+    weaker = Rows(rows.frame, rows.component, rows.column, rows.distance_m, rows.weight / factor**2)
+    expected = log_marginal_likelihood(eliminated_of(chain, weaker, PLANES))
+    found = log_marginal_likelihood_of(chain, arrange(rows, chain.rhs.shape, PLANES, chain.pinned), factor)
+    assert found == pytest.approx(expected, rel=1e-12)

@@ -9,6 +9,7 @@ from floorplan.merge.evidence_covariance import Joint, column
 from floorplan.merge.evidence_live import CONCERNED, NEVER, SAME_M2, Live, score
 from floorplan.model.checks import Array
 
+SAME_STORY = 1e-6  # log odds; the same merges in another order are one story, told apart by rounding alone
 DEPTH = 60  # merges looked ahead: more than one place of a building shows
 
 
@@ -39,7 +40,7 @@ def better_future(live: Live, count: int, joint: Joint, r: int, unit: Array, opt
     futures = np.empty(len(options))
     for k in range(len(options)):
         futures[k] = _roll_out(scene, joint.P, r, np.searchsorted(concerned, options[k]))
-    best = np.argmax(futures)
+    best = np.argmax(futures >= futures.max() - SAME_STORY)  # the first of them: the strongest pair
     cov, chosen, against = np.empty(len(joint.P)), options[best], -np.inf
     column(joint.P, joint.U, r, live.first[chosen], live.second[chosen], cov)
     for k in range(len(options)):
