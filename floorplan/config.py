@@ -104,6 +104,7 @@ class MergeConfig:
     eps: float = 0.02
     mu_m: float = 0.30
     moves: bool = True  # of `evidence`: once all is merged, tracks and parts of planes move where the evidence of the whole grows
+    second_candidate: bool = True  # after `moves`: weighted L1 and chi-square where the search was in doubt; evidence chooses per axis
 
 
 @dataclass(frozen=True)

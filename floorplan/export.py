@@ -15,7 +15,7 @@ from floorplan.merge_table import MergeRow, merge_rows
 from floorplan.model.advice import Advice
 from floorplan.model.graph import LayoutSolution, MergeResult
 from floorplan.model.plan import Plan
-from floorplan.model.plane_moves import PlaneMove
+from floorplan.model.plane_moves import Changes
 from floorplan.model.scan import IngestedScan
 from floorplan.model.segment import SegmentedScan
 from floorplan.model.ties import Calibration
@@ -113,10 +113,11 @@ def read_merges(work: Path) -> tuple[MergeRow, ...]:
     return merge_rows(finished(work, INGEST, IngestedScan), layout, finished(work, MERGE, MergeResult))
 
 
-def read_plane_moves(work: Path) -> tuple[PlaneMove, ...]:
+def read_changes(work: Path) -> Changes:
     """What the finished merge changed once everything was merged. Raises `WorkFolderError` where it is not finished."""
     read_owner(work)
-    return finished(work, MERGE, MergeResult).moves
+    merged = finished(work, MERGE, MergeResult)
+    return Changes(merged.moves, merged.choices)
 
 
 def finished(work: Path, stage: Stage, kind: type[T]) -> T:

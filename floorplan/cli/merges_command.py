@@ -10,26 +10,29 @@ from floorplan.cli.console import echo_json, echo_table
 
 if TYPE_CHECKING:
     from floorplan.merge_table import MergeRow
-    from floorplan.model.plane_moves import PlaneMove
+    from floorplan.model.plane_moves import AxisChoice, PlaneMove
 
 NAMED_FRAMES = 4  # as many are listed in the table; --json has all
 CHANGES = ("tracks", "from", "to", "planes joined", "log evidence gained")
+CHOICES = ("axis", "log evidence best first", "with L1 on this axis", "chi2 less (by choosing)", "taken")
+AXIS_NAMES = ("x", "y", "z")
 HEADER = ("tracks", "axis", "distance", "solved", "sigma", "chi2", "verdict", "seen in frames", "both in one frame")
 
 
-Changes = Annotated[bool, typer.Option("--changes", help="Only what was moved, cut or joined once all was merged, with its log evidence.")]
+Changes = Annotated[bool, typer.Option("--changes", help="Only what changed once all was merged, and both candidates, with log evidence.")]
 
 
 def merges(work: o.Work, changes: Changes = False, as_json: o.AsJson = False) -> None:
     """Every hypothesis accepted or rejected, with its numbers and the frames that saw it."""
-    from floorplan.export import read_merges, read_plane_moves
+    from floorplan.export import read_changes, read_merges
 
     if changes:
-        moves = read_plane_moves(work)
+        found = read_changes(work)
         if as_json:
-            echo_json([asdict(move) for move in moves])
+            echo_json(asdict(found))
         else:
-            echo_table([CHANGES, *(_change(move) for move in moves)])
+            echo_table([CHANGES, *(_change(move) for move in found.moves)])
+            echo_table([CHOICES, *(_choice(choice) for choice in found.choices)])
         return
     rows = read_merges(work)
     if as_json:
@@ -43,6 +46,12 @@ def _change(move: "PlaneMove") -> tuple[str, ...]:
     source = "" if move.source is None else f"the plane of {move.source}"
     target = "" if not move.tracks else "a plane of their own" if move.target is None else f"the plane of {move.target}"
     return (tracks, source, target, str(move.joined), f"{move.log_evidence:.1f}")
+
+
+def _choice(choice: "AxisChoice") -> tuple[str, ...]:
+    axis, winner = AXIS_NAMES[choice.axis], "L1" if choice.taken else "best first"
+    less = f"{choice.chi_square_less:.1f} ({choice.chi_square_by_choosing:.1f})"
+    return (axis, f"{choice.first_log_evidence:.1f}", f"{choice.second_log_evidence:.1f}", less, winner)
 
 
 def _cells(row: "MergeRow") -> tuple[str, ...]:

@@ -103,6 +103,8 @@ class Newton:
 
 def _weighted(problem: BallProblem, pair_weight: Array, ball: float, sign_weight: Array) -> Iterator[Array]:
     """`E^T W E + lambda S + G^T M G` block by block; the lower triangles are what counts."""
+    if problem.scale is not None:
+        pair_weight = pair_weight * problem.scale**2
     for part, block, rows in zip(problem.blocks, problem.information, problem.block_pairs, strict=True):
         matrix = ball * block
         pair_kernels.add_laplacian(problem.pairs.first[rows], problem.pairs.second[rows], pair_weight[rows], part.start, matrix)

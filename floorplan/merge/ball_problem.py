@@ -16,7 +16,8 @@ TO_THE_BOUNDARY = 0.995  # share of the way to the nearest bound that a step may
 class BallProblem:
     """`information` blocks `S` over consecutive variables; `pairs` rows of `E` over all variables; `start (H,)` = `E` at the centre.
 
-    `sign_rows (Q, V)` = `G`, `sign_excess (Q,)`. Lengths are in units of the ball's radius.
+    `sign_rows (Q, V)` = `G`, `sign_excess (Q,)`. Lengths are in units of the ball's radius. `scale (H,)` times which every row of `E`
+    counts, None: once; `start` has it in it.
     """
 
     information: tuple[Array, ...]
@@ -25,6 +26,7 @@ class BallProblem:
     sign_rows: Array
     sign_excess: Array
     floor: float  # objective below which relative figures mean nothing
+    scale: Array | None = None
 
     @cached_property
     def block_pairs(self) -> list[slice]:
@@ -41,11 +43,14 @@ class BallProblem:
     def pull(self, dual: Array) -> Array:
         """`E^T y` (V,)."""
         size = sum(len(block) for block in self.information)
+        if self.scale is not None:
+            dual = dual * self.scale
         return np.asarray(pair_kernels.pull(self.pairs.first, self.pairs.second, dual, size))
 
     def gap(self, z: Array) -> Array:
         """`E z` (H,)."""
-        return np.asarray(pair_kernels.differences(self.pairs.first, self.pairs.second, z))
+        gap = pair_kernels.differences(self.pairs.first, self.pairs.second, z)
+        return np.asarray(gap if self.scale is None else gap * self.scale)
 
     def metric(self, z: Array) -> Array:
         """`S z` (V,)."""

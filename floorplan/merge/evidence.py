@@ -7,8 +7,8 @@ import numpy as np
 
 from floorplan.config import MergeConfig
 from floorplan.merge.evidence_bias import USUAL, Bias, bias_before_merging, bias_of_merged
+from floorplan.merge.evidence_candidates import choose_planes
 from floorplan.merge.evidence_greedy import Decision, Question, decide
-from floorplan.merge.evidence_moves import move_tracks
 from floorplan.merge.evidence_pairs import Planes, gated_pairs, log_prior, pair_variance_m2, seen_apart
 from floorplan.merge.evidence_verdicts import join_hypotheses, system_hypotheses
 from floorplan.merge.hypotheses import Pairs, numbered
@@ -17,7 +17,7 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution, MergeResult
 from floorplan.model.merges_made import MergesMade, join_merges
 from floorplan.model.noise import ScanNoise
-from floorplan.model.plane_moves import PlaneMove
+from floorplan.model.plane_moves import AxisChoice, PlaneMove
 from floorplan.noise import estimate_noise, with_steps
 from floorplan.track_bias import row_sigma_m, square_range_m2
 from floorplan.weighted import KnownSystem, known_systems
@@ -37,12 +37,14 @@ class _Asked:
 
 @dataclass(frozen=True)
 class _Decided:
-    """One round over one system: its pairs, what was asked, what was decided, what was moved afterwards (tracks of the system)."""
+    """One round over one system: its pairs, what was asked, what was decided, moved and chosen (tracks of the system)."""
 
     pairs: Pairs
     question: Question
     decision: Decision
     moves: tuple[PlaneMove, ...]
+    choices: tuple[AxisChoice, ...]
+    outvoted: Array
 
 
 def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, config: MergeConfig, never: Pairs) -> MergeResult:
@@ -62,11 +64,13 @@ def merge_evidence(graph: LayoutGraph, least_squares: LeastSquaresSolution, conf
     label = np.arange(len(graph.axis))
     for planes, made in zip(systems, second, strict=True):
         label[planes.tracks] = planes.tracks[made.decision.plane]
-    parts = [system_hypotheses(planes, made.pairs, made.question, made.decision) for planes, made in zip(systems, second, strict=True)]
+    made_by = list(zip(systems, second, strict=True))
+    parts = [system_hypotheses(planes, one.pairs, one.question, one.decision, one.outvoted) for planes, one in made_by]
     plane_of_track = numbered(label)
-    merges = _merges_made([(planes, one.pairs, one.decision) for planes, one in zip(systems, second, strict=True)])
-    moves = tuple(_of_graph(move, planes.tracks) for planes, one in zip(systems, second, strict=True) for move in one.moves)
-    return replace(_result(graph, noise, plane_of_track, join_hypotheses(parts), known, merges), moves=moves)
+    merges = _merges_made([(planes, one.pairs, one.decision) for planes, one in made_by])
+    moves = tuple(_of_graph(move, planes.tracks) for planes, one in made_by for move in one.moves)
+    choices = tuple(choice for one in second for choice in one.choices)
+    return replace(_result(graph, noise, plane_of_track, join_hypotheses(parts), known, merges), moves=moves, choices=choices)
 
 
 def _planes_of_systems(graph: LayoutGraph, noise: ScanNoise, known: Sequence[KnownSystem]) -> list[Planes]:
@@ -121,9 +125,9 @@ def _decided(asked: _Asked, bias: Bias, planes: Planes, never: Pairs, known: Arr
     question = Question(pairs.first, pairs.second, delta, variance, log_prior(planes, pairs, variance, known), barred)
     decision = decide(question, planes.covariance_m2)
     if known is None or not config.moves:  # the first round, unmoved, gives the larger bias of the two, which is the safer one
-        return _Decided(pairs, question, decision, ())
-    moved = move_tracks(question, decision, planes.offset_m, planes.covariance_m2)
-    return _Decided(pairs, question, moved.decision, moved.moves)
+        return _Decided(pairs, question, decision, (), (), np.zeros(len(pairs), dtype=bool))
+    chosen = choose_planes(question, decision, planes.offset_m, planes.covariance_m2, planes.axis, config.second_candidate)
+    return _Decided(pairs, question, chosen.decision, chosen.moves, chosen.choices, chosen.outvoted)
 
 
 def _of_system(never: Pairs, planes: Planes, tracks: int) -> Pairs:

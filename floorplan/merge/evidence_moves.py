@@ -8,9 +8,9 @@ follow are made, and the change stays where the exact log evidence of the whole 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from floorplan.merge.evidence_greedy import Decision, Question
+from floorplan.merge.hypotheses import numbered
 from floorplan.merge.plane_cuts import Best, best_cut, best_join
 from floorplan.merge.plane_fit import PlaneFit, fit_planes
 from floorplan.merge.plane_links import Links, links_of, plane_links
@@ -25,24 +25,28 @@ MOST_MOVES = 60  # of one system; far more than were ever needed
 
 @dataclass(frozen=True)
 class Moved:
-    """What became of a decision: with its moves in order, tracks numbered as in the question."""
+    """What became of a decision: with its moves in order, tracks numbered as in the question, and the tracks about its planes."""
 
     decision: Decision
     moves: tuple[PlaneMove, ...]
+    fit: PlaneFit
 
 
-def move_tracks(question: Question, decision: Decision, offset_m: Array, covariance_m2: Array) -> Moved:
-    """Improve the planes of `decision`, tracks at `offset_m (T,)` with joint covariance `covariance_m2 (T, T)`, one move at a time."""
+def move_tracks(question: Question, decision: Decision, plane: Array, offset_m: Array, W: Array) -> Moved:
+    """Improve the partition `plane (T,)`, that of `decision` or another, one move at a time.
+
+    `W (T, T)` is the inverse of the joint covariance of the tracks at `offset_m (T,)`.
+    """
     links = links_of(question, len(offset_m))
-    W = cho_solve(cho_factor(covariance_m2, lower=True), np.eye(len(offset_m)), overwrite_b=True)
-    fit, moves = fit_planes(W, offset_m, _compact(decision.plane)), list[PlaneMove]()
+    fit, moves = fit_planes(W, offset_m, numbered(plane)), list[PlaneMove]()
     while len(moves) < MOST_MOVES:
         best = _best_move(fit, links)
         if best.gain <= LEAST_GAIN:
             break
         moves.append(_told(fit.label, best))
         fit = fit_planes(W, offset_m, _moved(fit.label, best))
-    return Moved(_redecided(question, decision, fit, links) if moves else decision, tuple(moves))
+    same = bool((fit.label == numbered(decision.plane)).all())
+    return Moved(decision if same else _redecided(question, decision, fit, links), tuple(moves), fit)
 
 
 def _best_move(fit: PlaneFit, links: Links) -> Best:
@@ -53,15 +57,11 @@ def _best_move(fit: PlaneFit, links: Links) -> Best:
     return cut if cut.gain > joined.gain else joined
 
 
-def _compact(label: Array) -> Array:
-    return np.asarray(np.unique(label, return_inverse=True)[1])
-
-
 def _moved(label: Array, best: Best) -> Array:
     """The labels after a move."""
     after = label.copy()
     after[best.taken] = len(best.became) - 1
-    return _compact(best.became[after])
+    return numbered(best.became[after])
 
 
 def _told(label: Array, best: Best) -> PlaneMove:
@@ -79,17 +79,17 @@ def _told(label: Array, best: Best) -> PlaneMove:
 def _redecided(question: Question, decision: Decision, fit: PlaneFit, links: Links) -> Decision:
     """The decision after moves: pairs they changed have its numbers, planes they changed a new tree of merges."""
     first, second = question.first, question.second
-    before, label = _compact(decision.plane), fit.label
+    before, label = numbered(decision.plane), fit.label
     delta, variance = decision.delta_m.copy(), decision.variance_m2.copy()
     parted = np.flatnonzero((before[first] == before[second]) & (label[first] != label[second]))
     a, b, C = label[first[parted]], label[second[parted]], fit.covariance_m2
     delta[parted], variance[parted] = fit.plane_m[a] - fit.plane_m[b], C[a, a] + C[b, b] - 2 * C[a, b]
-    changed = _changed(before, label)
-    tree = tree_odds(fit, links, np.unique(label[changed]))
+    touched = changed(before, label)
+    tree = tree_odds(fit, links, np.unique(label[touched]))
     united = np.flatnonzero((before[first] != before[second]) & (label[first] == label[second]))
     delta[united], variance[united] = _left_alone(fit, first[united])
     delta[tree.row], variance[tree.row] = tree.shift_m, tree.variance_m2
-    kept = ~changed[first[decision.made]]
+    kept = ~touched[first[decision.made]]
     made, odds = np.append(decision.made[kept], tree.row), np.append(decision.made_odds[kept], tree.log_odds)
     return replace(decision, plane=label, delta_m=delta, variance_m2=variance, made=made, made_odds=odds)
 
@@ -100,7 +100,7 @@ def _left_alone(fit: PlaneFit, track: Array) -> tuple[Array, Array]:
     return fit.pull[track] / information, 1.0 / information
 
 
-def _changed(before: Array, after: Array) -> Array:
+def changed(before: Array, after: Array) -> Array:
     """Tracks (T,) whose plane holds other tracks than before."""
     both = np.unique(before * (int(after.max()) + 1) + after, return_inverse=True)[1]
     together, was, now = np.bincount(both)[both], np.bincount(before)[before], np.bincount(after)[after]

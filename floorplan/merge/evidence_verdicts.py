@@ -13,8 +13,8 @@ from floorplan.model.graph import Hypotheses, Verdict
 PLAUSIBLE_CHI_SQUARE = 9.0  # three sigma: a pair this close was not turned down for its distance
 
 
-def system_hypotheses(planes: Planes, pairs: Pairs, question: Question, decision: Decision) -> Hypotheses:
-    """Hypotheses of one system, in tracks of the graph."""
+def system_hypotheses(planes: Planes, pairs: Pairs, question: Question, decision: Decision, outvoted: Array) -> Hypotheses:
+    """Hypotheses of one system, in tracks of the graph; `outvoted (H,)` pairs that only the candidate that lost an axis joins."""
     sigma = np.sqrt(np.maximum(decision.variance_m2, 1e-12))
     chi_square = (decision.delta_m / sigma) ** 2
     return Hypotheses(
@@ -24,7 +24,7 @@ def system_hypotheses(planes: Planes, pairs: Pairs, question: Question, decision
         solved_distance_m=decision.delta_m,
         sigma_m=sigma,
         chi_square=chi_square,
-        verdict=_verdicts(pairs, question, decision, chi_square),
+        verdict=_verdicts(pairs, question, decision, chi_square, outvoted),
     )
 
 
@@ -36,9 +36,9 @@ def join_hypotheses(parts: Sequence[Hypotheses]) -> Hypotheses:
     return Hypotheses(first, second, distance, solved, sigma, chi, tuple(v for p in parts for v in p.verdict))
 
 
-def _verdicts(pairs: Pairs, question: Question, decision: Decision, chi_square: Array) -> tuple[Verdict, ...]:
+def _verdicts(pairs: Pairs, question: Question, decision: Decision, chi_square: Array, outvoted: Array) -> tuple[Verdict, ...]:
     same = decision.plane[pairs.first] == decision.plane[pairs.second]
     plausible = chi_square <= PLAUSIBLE_CHI_SQUARE
-    choice = np.select([same, question.apart, decision.open, plausible], [0, 1, 2, 3], default=4)
-    table = (Verdict.ACCEPTED, Verdict.SEEN_APART, Verdict.AMBIGUOUS, Verdict.EXTENT_GAP, Verdict.BEYOND_COVARIANCE)
+    choice = np.select([same, question.apart, outvoted, decision.open, plausible], [0, 1, 5, 2, 3], default=4)
+    table = (Verdict.ACCEPTED, Verdict.SEEN_APART, Verdict.AMBIGUOUS, Verdict.EXTENT_GAP, Verdict.BEYOND_COVARIANCE, Verdict.OUTVOTED)
     return tuple(table[k] for k in choice.tolist())

@@ -24,6 +24,7 @@ class PlaneFit(NamedTuple):
     U: Array
     residual_m: Array
     pull: Array
+    chi_square: float
     log_evidence: float
 
 
@@ -39,8 +40,9 @@ def fit_planes(W: Array, offset_m: Array, label: Array) -> PlaneFit:
     pull = W @ residual
     log_det = float(np.linalg.slogdet(information)[1])
     freedom = len(label) - planes
-    evidence = -0.5 * (log_det + float(residual @ pull) + freedom * np.log(2 * np.pi))
-    return PlaneFit(W, label, plane, covariance, WG, covariance @ WG, residual, pull, evidence)
+    chi_square = float(residual @ pull)
+    evidence = -0.5 * (log_det + chi_square + freedom * np.log(2 * np.pi))
+    return PlaneFit(W, label, plane, covariance, WG, covariance @ WG, residual, pull, chi_square, evidence)
 
 
 @compiled

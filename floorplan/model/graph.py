@@ -9,7 +9,7 @@ from floorplan.model.checks import Array, freeze
 from floorplan.model.error_parts import ErrorParts
 from floorplan.model.merges_made import MergesMade
 from floorplan.model.noise import ScanNoise
-from floorplan.model.plane_moves import PlaneMove
+from floorplan.model.plane_moves import AxisChoice, PlaneMove
 from floorplan.model.scan import RangeAccuracy
 from floorplan.model.ties import Calibration
 
@@ -145,7 +145,7 @@ class MergeResult:
     `position_m (N, 3)`: the L1 solution before thresholding (`paper`), or the solution at the decision.
     `objective` `||E xi||_1`, `delta_m` radius of the ball, `residual_m` `||A xi - b||_2` there. `noise` is what the decisions
     and the re-solve weight their rows with; None: unweighted. `made`: every merge with its odds, None where the method has none;
-    `moves` what was changed once everything was merged.
+    `moves` what was changed once everything was merged, `choices` between two candidates where they differed.
     """
 
     method: str
@@ -159,6 +159,7 @@ class MergeResult:
     noise: ScanNoise | None = None
     made: MergesMade | None = None
     moves: tuple[PlaneMove, ...] = ()
+    choices: tuple[AxisChoice, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(

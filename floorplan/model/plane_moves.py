@@ -1,4 +1,4 @@
-"""What the evidence merge changed once everything was merged."""
+"""What the evidence merge changed once everything was merged, and how its two candidates compared."""
 
 from dataclasses import dataclass
 
@@ -16,3 +16,27 @@ class PlaneMove:
     target: int | None
     joined: int
     log_evidence: float
+
+
+@dataclass(frozen=True)
+class AxisChoice:
+    """The second candidate on one axis (0, 1, 2) where it was asked and differed: log evidence of all planes of the axis' system with the
+
+    planes of the best-first search, and with this axis' planes of the second candidate, each after its moves; by how much less the
+    second's chi-square is, how much of that choosing between more planes explains, and whether it was `taken`.
+    """
+
+    axis: int
+    first_log_evidence: float
+    second_log_evidence: float
+    chi_square_less: float
+    chi_square_by_choosing: float
+    taken: bool
+
+
+@dataclass(frozen=True)
+class Changes:
+    """All of both."""
+
+    moves: tuple[PlaneMove, ...]
+    choices: tuple[AxisChoice, ...]

@@ -56,7 +56,8 @@ def test_a_track_on_the_wrong_plane_goes_to_its_own_and_the_gain_is_that_of_the_
     question, covariance, offset, true = scene
     wrong = true.copy()
     wrong[7] = true[np.flatnonzero(np.abs(true - true[7]) == 1)[0]]
-    moved = move_tracks(replace(question, apart=np.zeros_like(question.apart)), decided(question, wrong), offset, covariance)
+    asked = replace(question, apart=np.zeros_like(question.apart))
+    moved = move_tracks(asked, decided(asked, wrong), wrong, offset, np.linalg.inv(covariance))
     assert labels(moved.decision.plane) == labels(true)
     assert [move.tracks for move in moved.moves] == [(7,)]
     gained = log_density(covariance, offset, true) - log_density(covariance, offset, wrong)
@@ -67,7 +68,7 @@ def test_a_track_on_the_wrong_plane_goes_to_its_own_and_the_gain_is_that_of_the_
 def test_what_is_right_stays_and_so_does_the_decision(scene: Walls) -> None:
     question, covariance, offset, _ = scene
     decision = decide(question, covariance)
-    moved = move_tracks(question, decision, offset, covariance)
+    moved = move_tracks(question, decision, decision.plane, offset, np.linalg.inv(covariance))
     assert moved.moves == ()
     assert moved.decision is decision
 
@@ -90,7 +91,7 @@ def test_one_wrong_track_that_holds_two_laps_apart_lets_go_and_all_walls_are_joi
     question, covariance, offset, true = two_laps(1)
     held = np.where(np.arange(len(true)) < PLANES * SEEN, true, true + PLANES)
     held[SEEN] = PLANES  # a track of the first lap's second wall on the first wall of the other: no shift is left to be taken out
-    moved = move_tracks(question, decided(question, held), offset, covariance)
+    moved = move_tracks(question, decided(question, held), held, offset, np.linalg.inv(covariance))
     assert labels(moved.decision.plane) == labels(true)
     assert moved.moves[0].joined >= PLANES - 1
     rows = moved.decision.made
@@ -104,6 +105,7 @@ def test_what_one_frame_saw_apart_is_never_joined_by_a_move() -> None:
     apart = np.zeros(len(question.first), dtype=bool)
     apart[np.flatnonzero((true[question.first] == 3) & (true[question.second] == 3) & (question.second >= PLANES * SEEN))[0]] = True
     by_lap = np.where(np.arange(len(true)) < PLANES * SEEN, true, true + PLANES)
-    plane = move_tracks(replace(question, apart=apart), decided(question, by_lap), offset, covariance).decision.plane
+    asked = replace(question, apart=apart)
+    plane = move_tracks(asked, decided(asked, by_lap), by_lap, offset, np.linalg.inv(covariance)).decision.plane
     assert (plane[question.first[apart]] != plane[question.second[apart]]).all()
     assert len(np.unique(plane)) == PLANES + 1
