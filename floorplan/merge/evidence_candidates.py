@@ -17,6 +17,7 @@ from floorplan.model.checks import Array
 from floorplan.model.plane_moves import AxisChoice, PlaneMove
 
 DOUBTFUL = 2.0  # log odds, 7 to 1: a merge made for less, or a choice left open
+MOST_TRACKS = 2000  # of one system: a trial costs the planes squared, a move their cube: past a kilometre more than the whole search
 BY_CHOOSING = 2.0 / np.pi  # of a track's variance is between the halves of a normal distribution cut at its mean
 
 
@@ -68,8 +69,10 @@ class _Contest:
 def choose_planes(question: Question, decision: Decision, offset_m: Array, covariance_m2: Array, axis: Array, second: bool) -> Chosen:
     """`decision` after its moves, or where `second` allows and their evidence is larger, with the second candidate's planes of an axis.
 
-    `axis (T,)` of the tracks at `offset_m (T,)` with joint covariance `covariance_m2 (T, T)`.
+    `axis (T,)` of the tracks at `offset_m (T,)` with joint covariance `covariance_m2 (T, T)`. Past `MOST_TRACKS` the decision stands.
     """
+    if len(offset_m) > MOST_TRACKS:
+        return Chosen(decision, (), (), np.zeros(len(question.first), dtype=np.bool_))
     W = cho_solve(cho_factor(covariance_m2, lower=True), np.eye(len(offset_m)), overwrite_b=True)
     contest = _Contest(question, decision, offset_m, W, axis, links_of(question, len(offset_m)))
     best, choices = contest.moved(decision.plane), list[AxisChoice]()

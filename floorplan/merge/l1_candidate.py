@@ -1,7 +1,7 @@
 """A second way to the planes of a system: L1 of distances over their sigmas in the joint covariance's 95 % ball, then chi-square."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from floorplan.compiled import compiled
 from floorplan.merge.ball_problem import BallProblem
@@ -24,7 +24,7 @@ def l1_planes(question: Question, offset_m: Array, covariance_m2: Array, W: Arra
     asked = np.flatnonzero(~question.apart & (question.variance_m2 > SAME_M2))
     if not len(asked):
         return np.arange(len(offset_m))
-    radius = float(np.sqrt(chi2.ppf(WITHIN, len(offset_m))))
+    radius = float(np.sqrt(chdtri(len(offset_m), 1.0 - WITHIN)))
     asked = asked[np.argsort(question.first[asked], kind="stable")]
     pairs, scale = Pairs(question.first[asked], question.second[asked]), question.variance_m2[asked] ** -0.5
     start = scale * pairs.gap_m(offset_m) / radius
