@@ -48,7 +48,7 @@ def initial_layout(scan: IngestedScan, segmented: SegmentedScan, config: Config)
 def _range_bias(
     scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks, graph: LayoutGraph, solved: LeastSquaresSolution
 ) -> RangeBias | None:
-    from floorplan.range_bias import estimate_range_bias, offset_lever
+    from floorplan.noise.range_bias import estimate_range_bias, offset_lever
 
     if solved.noise is None or scan.parts:
         return None

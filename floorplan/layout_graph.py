@@ -8,8 +8,8 @@ from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.scan import NANOSECONDS_PER_SECOND, IngestedScan
 from floorplan.model.segment import NO_TRACK, SegmentedScan, Segments, Tracks
+from floorplan.noise.range_accuracy import range_accuracy
 from floorplan.odometry_steps import keyframe_steps
-from floorplan.range_accuracy import range_accuracy
 
 
 def layout_graph(scan: IngestedScan, segmented: SegmentedScan, tracks: Tracks) -> LayoutGraph:

@@ -3,11 +3,11 @@
 import numpy as np
 
 from floorplan.config import LeastSquaresConfig
+from floorplan.elimination.reduction import reduce_axis
+from floorplan.elimination.weighted import solve, systems
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
-from floorplan.noise import estimate_noise
-from floorplan.reduction import reduce_axis
+from floorplan.noise.estimate import estimate_noise
 from floorplan.rows import AXES, AxisRows, AxisSolution, RowWeights, axis_rows, residual_norm, right_hand_side, split
-from floorplan.weighted import solve, systems
 
 
 def least_squares(graph: LayoutGraph, config: LeastSquaresConfig) -> LeastSquaresSolution:

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from floorplan.config import ResolveConfig
+from floorplan.elimination.reduction import reduce_axis
 from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LayoutSolution, MergeResult
-from floorplan.range_accuracy import with_range_errors
-from floorplan.reduction import reduce_axis
+from floorplan.noise.range_accuracy import with_range_errors
 from floorplan.rows import AXES, axis_rows, residual_norm, split, squared_residual
 from floorplan.signs import solve_with_signs
 from floorplan.weighted_resolve import weighted_resolve

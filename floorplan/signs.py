@@ -6,10 +6,10 @@ is active, so they are checked on the solution and only violated ones enter the 
 
 import numpy as np
 
+from floorplan.elimination.reduction import ReducedAxis, reduce_axis
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
-from floorplan.reduction import ReducedAxis, reduce_axis
 from floorplan.rows import AXES, AxisRows, AxisSolution, axis_rows, residual_norm, right_hand_side, split
 
 SIGN_TOLERANCE_M = 1e-6  # a plane a micron on the wrong side of a sensor is arithmetic, not geometry

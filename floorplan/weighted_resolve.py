@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from floorplan.elimination.weighted import KnownSystem, known_systems, solve
 from floorplan.merge_slack import slack_of_tracks_m
 from floorplan.merged_planes import merged_graph, plane_extents
 from floorplan.model.checks import Array
@@ -14,9 +15,8 @@ from floorplan.model.graph import LayoutGraph, LayoutSolution
 from floorplan.model.merges_made import MergesMade
 from floorplan.model.noise import ScanNoise
 from floorplan.model.ties import DistanceTies
+from floorplan.noise.track_bias import track_bias_m
 from floorplan.rows import residual_norm
-from floorplan.track_bias import track_bias_m
-from floorplan.weighted import KnownSystem, known_systems, solve
 
 
 def weighted_resolve(

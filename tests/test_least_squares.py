@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from floorplan.config import LeastSquaresConfig
+from floorplan.elimination.reduction import reduce_axis
 from floorplan.least_squares import least_squares
-from floorplan.reduction import reduce_axis
 from floorplan.rows import AxisRows, design_matrix, right_hand_side
 from tests.graphs import graph_along_x, loop_graph
 

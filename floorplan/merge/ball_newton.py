@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from floorplan.elimination.reduction import cholesky, cholesky_solve
 from floorplan.merge import pair_kernels
 from floorplan.merge.ball_problem import BallProblem, Point, Slacks, step_length
 from floorplan.model.checks import Array
-from floorplan.reduction import cholesky, cholesky_solve
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floorplan.config import MergeConfig
+from floorplan.elimination.weighted import KnownSystem, known_systems
 from floorplan.merge.evidence_bias import USUAL, Bias, bias_before_merging, bias_of_merged
 from floorplan.merge.evidence_candidates import choose_planes
 from floorplan.merge.evidence_greedy import Decision, Question, decide
@@ -18,9 +19,8 @@ from floorplan.model.graph import Hypotheses, LayoutGraph, LeastSquaresSolution,
 from floorplan.model.merges_made import MergesMade, join_merges
 from floorplan.model.noise import ScanNoise
 from floorplan.model.plane_moves import AxisChoice, PlaneMove
-from floorplan.noise import estimate_noise, with_steps
-from floorplan.track_bias import row_sigma_m, square_range_m2
-from floorplan.weighted import KnownSystem, known_systems
+from floorplan.noise.estimate import estimate_noise, with_steps
+from floorplan.noise.track_bias import row_sigma_m, square_range_m2
 from floorplan.weighted_resolve import weighted_resolve
 
 SMALLEST_BIAS_M = 0.0015  # for decisions: one short track in a hundred is off by more than four sigma of anything smaller

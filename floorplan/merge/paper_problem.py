@@ -11,12 +11,12 @@ from functools import cached_property
 
 import numpy as np
 
+from floorplan.elimination.reduction import ReducedAxis, reduce_axis
 from floorplan.errors import NoSolutionError
 from floorplan.merge.hypotheses import Pairs, pairs_within, planes_of_tracks
 from floorplan.merged_planes import merged_graph
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
-from floorplan.reduction import ReducedAxis, reduce_axis
 from floorplan.rows import AXES, axis_rows, residual_norm, split, sums_by
 from floorplan.signs import least_squares_with_signs
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from floorplan.elimination.reduction import ReducedAxis, reduce_axis
 from floorplan.errors import NoSolutionError
 from floorplan.merge.ball_problem import BallOptimum, BallProblem
 from floorplan.merge.hypotheses import Pairs
 from floorplan.merge.interior_point import minimise
 from floorplan.merge.paper_problem import PaperAnswer, PaperProblem, empty_ball, fully_merged_answer
 from floorplan.model.checks import Array
-from floorplan.reduction import ReducedAxis, reduce_axis
 from floorplan.rows import AXES, split
 from floorplan.signs import ROWS_PER_ROUND, SIGN_TOLERANCE_M, least_squares_with_signs
 

@@ -21,7 +21,7 @@ from floorplan.least_squares import least_squares
 from floorplan.merge import merge
 from floorplan.model.graph import LayoutGraph, LayoutSolution
 from floorplan.model.scan import IngestedScan, RangeAccuracy
-from floorplan.range_accuracy import range_accuracy
+from floorplan.noise.range_accuracy import range_accuracy
 from floorplan.resolve import resolve
 from floorplan.work.npz import read_npz
 from floorplan.work.values import decode, load_value

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from floorplan.noise import estimate_noise
+from floorplan.noise.estimate import estimate_noise
 from tests.block_scenes import SceneSettings, make_scene
 
 

@@ -1,4 +1,4 @@
-"""Compiled elimination of a scalar chain into its border; see `floorplan.reduction`."""
+"""Compiled elimination of a scalar chain into its border; see `floorplan.elimination.reduction`."""
 
 import numpy as np
 

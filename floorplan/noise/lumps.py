@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from floorplan.elimination.windows import Window
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
-from floorplan.windows import Window
 
 LUMP_M = 0.5  # far below the 20 m over which rates persist, far above the spacing of keyframes
 RATE_TINY = 1e-9  # m per sqrt(m), against division by zero

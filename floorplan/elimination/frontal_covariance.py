@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floorplan.block_kernels import forward_block
 from floorplan.compiled import compiled
-from floorplan.frontal_kernels import Factor
+from floorplan.elimination.block_kernels import forward_block
+from floorplan.elimination.frontal_kernels import Factor
 from floorplan.model.checks import Array
 
 

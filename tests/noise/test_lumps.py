@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from floorplan.lumps import lumped
-from floorplan.windows import windows
+from floorplan.elimination.windows import windows
+from floorplan.noise.lumps import lumped
 from tests.bench.scenes import paper_scene
 
 

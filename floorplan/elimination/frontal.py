@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.chain import Chain, Rows
-from floorplan.errors import NoSolutionError
-from floorplan.frontal_covariance import planes_covariance
-from floorplan.frontal_kernels import (
+from floorplan.elimination.chain import Chain, Rows
+from floorplan.elimination.frontal_covariance import planes_covariance
+from floorplan.elimination.frontal_kernels import (
     NOBODY,
     Factor,
     FrameRows,
@@ -24,6 +23,7 @@ from floorplan.frontal_kernels import (
     substitute_back,
     substitute_forward,
 )
+from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from floorplan.model.graph import LayoutSolution
 from floorplan.model.scan import NoiseModel, RangeAccuracy, Sensor, SensorKind
-from floorplan.range_accuracy import TYPICAL, range_accuracy, with_range_errors
+from floorplan.noise.range_accuracy import TYPICAL, range_accuracy, with_range_errors
 from tests.bench.scenes import paper_scene
 
 

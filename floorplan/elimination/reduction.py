@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lapack
 
+from floorplan.elimination.reduction_kernel import subtract_chain
 from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
-from floorplan.reduction_kernel import subtract_chain
 from floorplan.rows import AxisRows, AxisSolution, right_hand_side, sums_by
 
 

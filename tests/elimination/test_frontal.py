@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from floorplan.chain import Chain, Rows
-from floorplan.errors import NoSolutionError
-from floorplan.frontal import (
+from floorplan.elimination.chain import Chain, Rows
+from floorplan.elimination.frontal import (
     Eliminated,
     arrange,
     eliminate_in_order,
@@ -16,9 +15,10 @@ from floorplan.frontal import (
     log_marginal_likelihood,
     log_marginal_likelihood_of,
 )
+from floorplan.elimination.odometry_chain import NO_LINKS, Links, joint_chain, step_variance_m2
+from floorplan.errors import NoSolutionError
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel
-from floorplan.odometry_chain import NO_LINKS, Links, joint_chain, step_variance_m2
 
 DRIFT = DriftModel(rate_m_per_sqrt_m=0.02, scale_sigma=0.03, sideways_sigma=0.02)
 FRAMES, PLANES = 60, 9

@@ -11,16 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from floorplan.frontal import log_marginal_likelihood
+from floorplan.elimination.frontal import log_marginal_likelihood
+from floorplan.elimination.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system
+from floorplan.elimination.windows import Window, windows
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph, LeastSquaresSolution
 from floorplan.model.noise import DriftModel, ScanNoise
 from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import SensorKind
 from floorplan.model.segment import NO_TRACK, Segments, Tracks
-from floorplan.noise import windowed
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, build_system
-from floorplan.windows import Window, windows
+from floorplan.noise.estimate import windowed
 
 _STEP = (1e-3, 1e-3)  # of scale (a part) and offset (m): the likelihood is quadratic, any step would do
 _PIECES, _FEWEST_FRAMES = 10, 40  # stretches of the walk that err on their own

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from floorplan.drift_likelihood import most_likely, vertical_within_bounds, within_bounds
+from floorplan.elimination.weighted import LEVEL_AXES, UPRIGHT_AXES, solve, systems
+from floorplan.elimination.windows import Window, windows
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
 from floorplan.model.normal import MAD_TO_SIGMA
-from floorplan.structure import growth
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, solve, systems
-from floorplan.windows import Window, windows
+from floorplan.noise.drift_likelihood import most_likely, vertical_within_bounds, within_bounds
+from floorplan.noise.structure import growth
 
 TRUSTED_SIGMAS = 2.5  # residuals up to here count in full, beyond with weight (2.5 / r)^2: 1 % of Gaussian errors lose a little
 POOL_ROWS = 10.0  # a track's own variance counts against the pooled one as its rows against this many

@@ -1,4 +1,4 @@
-"""Compiled sums of odometry rows into the blocks of a chain; the rows are those of `floorplan.odometry_chain`."""
+"""Compiled sums of odometry rows into the blocks of a chain; the rows are those of `floorplan.elimination.odometry_chain`."""
 
 from typing import NamedTuple
 

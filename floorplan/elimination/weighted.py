@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floorplan.chain import Chain, Rows
-from floorplan.frontal import Arranged, Eliminated, arrange, eliminate_in_order, joint_covariance, least_squares
+from floorplan.elimination.chain import Chain, Rows
+from floorplan.elimination.frontal import Arranged, Eliminated, arrange, eliminate_in_order, joint_covariance, least_squares
+from floorplan.elimination.odometry_chain import JOINT_STATES, UPRIGHT_STATES, Links, joint_chain, upright_chain
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
-from floorplan.odometry_chain import JOINT_STATES, UPRIGHT_STATES, Links, joint_chain, upright_chain
 
 LEVEL_AXES, UPRIGHT_AXES = (0, 1), (2,)
 SHAPE = {LEVEL_AXES: (JOINT_STATES, 2), UPRIGHT_AXES: (UPRIGHT_STATES, 1)}  # states of a frame, and how many of frame 0 are pinned

@@ -6,7 +6,7 @@ import numpy as np
 
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
-from floorplan.noise import with_steps
+from floorplan.noise.estimate import with_steps
 from floorplan.weighted_resolve import weighted_resolve
 
 LENGTH_M, STEP_M, SEEN_M = 40.0, 0.1, 0.25  # too short a sight to tell the rates by

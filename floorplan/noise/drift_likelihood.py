@@ -6,14 +6,14 @@ from typing import TypeVar
 
 import numpy as np
 
+from floorplan.elimination.frontal import log_marginal_likelihood_of
+from floorplan.elimination.weighted import LEVEL_AXES, UPRIGHT_AXES, AxesRows, arrange_rows, odometry_of
+from floorplan.elimination.windows import Window
 from floorplan.errors import NoSolutionError
-from floorplan.frontal import log_marginal_likelihood_of
-from floorplan.lumps import lump_length_m, lumped
 from floorplan.model.checks import Array
 from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel, ScanNoise, VerticalDrift
-from floorplan.weighted import LEVEL_AXES, UPRIGHT_AXES, AxesRows, arrange_rows, odometry_of
-from floorplan.windows import Window
+from floorplan.noise.lumps import lump_length_m, lumped
 
 RATE_FLOOR, RATE_CEILING = 5e-4, 2.0  # m per sqrt(m): the chain needs a variance; beyond, odometry says nothing
 PART_FLOOR, PART_CEILING = 1e-3, 0.2  # parts of the step; beyond 20 % it is a fault, not drift

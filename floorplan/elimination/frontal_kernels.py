@@ -1,11 +1,11 @@
-"""Compiled elimination of frames and planes in the order of time; see `floorplan.frontal`."""
+"""Compiled elimination of frames and planes in the order of time; see `floorplan.elimination.frontal`."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from floorplan.block_kernels import backward_block, factor_block, forward_block
 from floorplan.compiled import compiled
+from floorplan.elimination.block_kernels import backward_block, factor_block, forward_block
 from floorplan.model.checks import Array
 
 NOBODY = -1  # in a seat

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from floorplan.chain import Chain
-from floorplan.chain_blocks import Blocks, joint_blocks, upright_blocks
+from floorplan.elimination.chain import Chain
+from floorplan.elimination.chain_blocks import Blocks, joint_blocks, upright_blocks
 from floorplan.model.checks import Array
 from floorplan.model.noise import DriftModel, VerticalDrift
 

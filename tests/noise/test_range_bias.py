@@ -12,7 +12,7 @@ from floorplan.model.graph import LayoutGraph
 from floorplan.model.noise import DriftModel
 from floorplan.model.range_bias import RangeBias
 from floorplan.model.scan import Frame, RangeAccuracy
-from floorplan.range_bias import estimate_range_bias, wandering_scale_variance
+from floorplan.noise.range_bias import estimate_range_bias, wandering_scale_variance
 from floorplan.readers.corrected import corrected
 from floorplan.survey_advice import range_advice
 from tests.bench.scenes import paper_scene

@@ -1,0 +1,1 @@
+"""What the scan itself shows of its errors: sigmas of tracks, the odometry's drift, the depth's bias."""
