@@ -14,15 +14,13 @@ from floorplan.model.checks import Array
 WELL_KNOWN_M = 0.02  # pairs whose distance odometry knows better than this speak about bias and not about drift
 WINDOW_M = 0.3  # distances looked at; beyond, two tracks are certainly two surfaces
 BIAS_GRID_M = (0.0003, 0.0006, 0.001, 0.0015, 0.002, 0.003, 0.004, 0.006, 0.008, 0.010, 0.0125, 0.016, 0.02, 0.028, 0.04)
-SHARE_GRID = (0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
+SHARE_GRID = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0)
 FAR_GRID = (1e-5, 5e-5, 1e-4, 2e-4, 4e-4, 8e-4, 1.6e-3, 3e-3, 6e-3, 0.012, 0.024)  # per metre
 SAME_GRID = np.array([0.2, 0.4, 0.6, 0.8, 0.95])  # share of the pairs that are one surface
 PRIOR_BIAS_M = 0.004  # where a scan says nothing: depth errors common to a track that indoor sensors show
 PRIOR_SHARE = 0.5  # the same view frame after frame: a quarter of the variance of one row is that of the next one too
 PRIOR_FAR_PER_M = 2e-4  # a hundredth of a pixel of disparity (lens of 575 pixels, base of 7.5 cm): 2 mm at 3 m
-FAR_SPREAD = 1.5  # of its logarithm: cameras that measure time have hardly any, ones out of calibration ten times as much
-PRIOR_SPREAD = 1.0  # of its logarithm
-SHARE_SPREAD = 0.8  # of that logarithm: a matter of how segments are fitted, much the same for all sensors
+SPREAD = np.array([1.5, 1.0, 1.5])  # of the logarithm of each: sensors differ tenfold; the share, a matter of how segments are fitted, less
 STARTS_M = (0.0003, 0.004)  # the mixture may have two tops: all one surface with a large bias, or some with a small one
 MOST_TRACKS = 160  # of one system asked once they are merged: a hundred of them give the bias to 7 %
 
@@ -63,9 +61,8 @@ def bias_of_merged(systems: Sequence[Planes], partitions: Sequence[Array], guess
 
 
 def _log_posterior(parts: Sequence[Callable[[Bias], float]], bias: Bias) -> float:
-    prior = (np.log(bias.constant_m / PRIOR_BIAS_M) / PRIOR_SPREAD) ** 2 + (np.log(bias.share / PRIOR_SHARE) / SHARE_SPREAD) ** 2
-    prior += (np.log(bias.far_per_m / PRIOR_FAR_PER_M) / FAR_SPREAD) ** 2
-    return sum((part(bias) for part in parts), -0.5 * float(prior))
+    ratios = np.array([bias.constant_m / PRIOR_BIAS_M, bias.share / PRIOR_SHARE, bias.far_per_m / PRIOR_FAR_PER_M])
+    return sum((part(bias) for part in parts), -0.5 * float(((np.log(ratios) / SPREAD) ** 2).sum()))
 
 
 def _climbed(parts: Sequence[Callable[[Bias], float]], guess: Bias) -> Bias:
